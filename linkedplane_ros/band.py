@@ -1,0 +1,90 @@
+"""One elastic band in its own plane round its own obstacle sphere (thesis ch. 4, App. B and C).
+
+Within its plane a band is described by the line from its origin P to its insertion S and by the
+circle in which the plane cuts the sphere: D = |S - P|; (a, b) the circle's centre, from P, along
+the line's direction u and along the side e = u x n to which the band bulges; r the circle's radius;
+d the distance of the sphere's centre from the plane. A turn of the plane about the line by a small
+angle psi changes d by b psi and b by -d psi; everything else about the line and the sphere stays.
+"""
+
+from math import atan2, pi, sqrt
+from typing import NamedTuple
+
+from .compiled import compiled
+
+WRAPPED, CLEAR, MISSED, INSIDE = 0, 1, 2, 3
+
+PIERCED = 4  # the line runs through the sphere: the band wraps it in whatever plane it lies
+BESIDE = 5  # the line passes the sphere: the band wraps it only in planes that bulge over it
+
+
+@compiled
+def obstacle_kind(D: float, a: float, rho2: float, R: float) -> int:
+    """Return how a band's line and its sphere meet: PIERCED, BESIDE or INSIDE.
+
+    D, a in m; rho2 the squared distance (m^2) of the sphere's centre from the line; R in m.
+    """
+    if a * a + rho2 < R * R or (D - a) * (D - a) + rho2 < R * R:
+        return INSIDE
+    if rho2 < R * R and 0.0 < a < D:
+        return PIERCED
+    return BESIDE
+
+
+@compiled
+def wrap_state(kind: int, R: float, d: float, b: float) -> int:
+    """Return WRAPPED, CLEAR, MISSED or INSIDE for a band in a plane at distance d (m).
+
+    The same as the sign of the arc (App. C), without an angle: a band that does not pierce its
+    sphere has a positive arc just where the circle's centre lies on the side of the bulge, b > 0.
+    """
+    if kind == PIERCED:
+        return WRAPPED
+    if kind == INSIDE:
+        return INSIDE
+    if abs(d) >= R:
+        return MISSED
+    return WRAPPED if b > 0.0 else CLEAR
+
+
+class Wrap(NamedTuple):
+    """A wrapped band in its plane: circle radius r (m), arc (rad), unit tangents along (u, e)."""
+
+    r: float
+    arc: float
+    t1u: float  # t1, from the origin P to the transition point Q
+    t1e: float
+    t2u: float  # t2, from the transition point T to the insertion S
+    t2e: float
+
+
+@compiled
+def wrap(D: float, a: float, tP: float, tS: float, R: float, d: float, b: float) -> Wrap:
+    """Wrap a band round its circle (App. C); lengths in m.
+
+    tP and tS, the lengths of the two straight parts, are those of the tangents from P and S to the
+    sphere: they do not depend on the plane. The arc, in (0, 2 pi), is the turn from t1 to t2.
+    """
+    r = sqrt(R * R - d * d)
+    cP2 = tP * tP + r * r
+    cS2 = tS * tS + r * r
+    t1u = (a * tP - b * r) / cP2
+    t1e = (a * r + b * tP) / cP2
+    t2u = ((D - a) * tS - b * r) / cS2
+    t2e = -((D - a) * r + b * tS) / cS2
+    arc = atan2(t1e * t2u - t1u * t2e, t1u * t2u + t1e * t2e)
+    if arc < 0.0:
+        arc += 2.0 * pi
+    return Wrap(r, arc, t1u, t1e, t2u, t2e)
+
+
+@compiled
+def length_by_plane(w: Wrap, d: float, b: float) -> tuple[float, float]:
+    """Return dL/dpsi (m/rad) and d2L/dpsi2 (m/rad^2) of a wrapped band for a turn of its plane.
+
+    dL = (t1 - t2).dc + arc dr, with dc = -d psi e and r dr = -d dd (spec section 4).
+    """
+    bulge = b * w.arc / w.r + w.t1e - w.t2e
+    bend = (w.arc / w.r) * (1.0 - b * b / (w.r * w.r))
+    bend += (b * (w.t1e - w.t2e) / w.r + w.t1e * w.t1u - w.t2e * w.t2u) / w.r
+    return -d * bulge, -b * bulge + d * d * bend

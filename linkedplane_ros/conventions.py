@@ -1,0 +1,211 @@
+"""Joint conventions: from three glenohumeral angles to a rotation, its axes, and back.
+
+A rotation takes humerus to scapula coordinates, both in the axes of the right shoulder: x lateral,
+y anterior, z superior. Angles are anatomical, so the left shoulder takes the same numbers; see
+`axes` for the one place where the side shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+SINGULAR = 1e-9  # below this sine the first and third turn are about one axis
+
+
+@dataclass(frozen=True)
+class JointConvention:
+    """Three angles as a sequence of turns about axes that move with the humerus.
+
+    rotation = R(axis 1, m1) R(axis 2, m2) R(axis 3, m3), with m = mix @ angles: mix is the identity
+    but where a convention turns by a difference of two of its coordinates.
+    """
+
+    name: str
+    coordinates: tuple[str, str, str]
+    sequence: tuple[tuple[float, float, float], ...]
+    """The three axes of the turns, each in the frame that the turns before it have made."""
+    middle: tuple[float, float]
+    """The range of the second turn, rad, in which `angles` answers."""
+    formula: str
+    relative_to: str
+    """What the convention's usual streams measure the humerus against."""
+    mix: tuple[tuple[float, float, float], ...] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+    def rotation(self, angles: npt.ArrayLike) -> Floats:
+        """Return the (3, 3) rotation humerus -> scapula of three angles (3,), rad."""
+        first, second, third = self._turns(three(angles))
+        return np.asarray(first @ second @ third)
+
+    def axes(self, angles: npt.ArrayLike, side: str = 'right') -> Floats:
+        """Return (3, 3): column j is the unit axis about which coordinate j turns the humerus.
+
+        Scapula frame, at this pose (3,), rad. (Where a coordinate enters two turns its column is
+        their sum and not of unit length.) For side='left' the axes are those of the left scapula
+        frame, x to the body's right: mirrored as axes of rotation are, (x, -y, -z).
+        """
+        first, second, _ = self._turns(three(angles))
+        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        moved = np.column_stack([e1, first @ e2, first @ second @ e3])
+        columns = np.asarray(moved @ np.array(self.mix))
+        if side == 'left':
+            columns *= np.array([[1.0], [-1.0], [-1.0]])
+        elif side != 'right':
+            raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
+        return columns
+
+    def angles(self, rotation: npt.ArrayLike) -> Floats:
+        """Return the angles (3,), rad, of a (3, 3) rotation: the inverse of `rotation`.
+
+        The second turn is taken in `middle`, so an elevation is not negative. Where the first and
+        the third turn share an axis (arm at the side, for the conventions with an elevation) only
+        their sum is defined: the first is then 0. ValueError where no angles give the rotation
+        (possible for opensim_tsm alone, near the arm at the side).
+        """
+        R = np.asarray(rotation, dtype=np.float64)
+        if R.shape != (3, 3) or not np.isfinite(R).all():
+            raise ValueError(f'rotation: shape {R.shape} given, (3, 3) finite numbers expected')
+        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        # R^T e1 = R3^T R2^T e1, and R2^T e1 keeps its component along e2: one equation for m3
+        w = R.T @ e1
+        along = (e3 @ w) * e3
+        constant = e2 @ along - e2 @ e1
+        cosine, sine = e2 @ (w - along), e2 @ np.cross(e3, w)
+        swing = np.hypot(cosine, sine)
+        if abs(constant) > swing + SINGULAR:
+            raise ValueError(
+                f'rotation: no {self.name} angles give it; its axes reach all rotations but those '
+                f'within {np.degrees(np.arcsin(abs(e2 @ e3))):.1f} deg of the arm at the side'
+            )
+        if swing < SINGULAR:
+            return np.linalg.solve(np.array(self.mix), self._at_singularity(R))
+        middle_of = np.arctan2(sine, cosine)
+        half = np.arccos(np.clip(-constant / swing, -1.0, 1.0))
+        found = [self._from_third(R, w, m3) for m3 in (middle_of + half, middle_of - half)]
+        return np.linalg.solve(np.array(self.mix), min(found, key=self._outside))
+
+    def sine_of_singularity(self, angles: npt.ArrayLike) -> float:
+        """Return the sine of the angle between the first and the third turn's axis; 0: singular."""
+        first, second, _ = self._turns(three(angles))
+        e1, _, e3 = (unit(axis) for axis in self.sequence)
+        return float(np.linalg.norm(np.cross(e1, first @ second @ e3)))
+
+    def _turns(self, angles: Floats) -> tuple[Floats, Floats, Floats]:
+        m = np.array(self.mix) @ angles
+        first, second, third = (
+            turn(unit(axis), float(angle)) for axis, angle in zip(self.sequence, m, strict=True)
+        )
+        return first, second, third
+
+    def _from_third(self, R: Floats, w: Floats, m3: float) -> Floats:
+        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        back = turn(e3, m3)
+        m2 = -angle_about(e2, e1, back @ w)
+        first = R @ back.T @ turn(e2, m2).T
+        m1 = angle_about(e1, e2, first @ e2)
+        return np.array([m1, m2, in_circle(m3)])
+
+    def _at_singularity(self, R: Floats) -> Floats:
+        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        m2 = -angle_about(e2, e1, R.T @ e1)
+        return np.array([0.0, m2, angle_about(e3, e2, turn(e2, m2).T @ R @ e2)])
+
+    def _outside(self, turns: Floats) -> tuple[float, float]:
+        low, high = self.middle
+        m2 = float(turns[1])
+        return max(low - m2, m2 - high, 0.0), m2
+
+
+def three(angles: npt.ArrayLike) -> Floats:
+    """Return three finite angles (3,), rad; ValueError for anything else."""
+    array = np.asarray(angles, dtype=np.float64)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f'angles: {angles!r} given, 3 finite numbers in rad expected')
+    return array
+
+
+def unit(axis: npt.ArrayLike) -> Floats:
+    """Return the (3,) vector at unit length."""
+    array = np.asarray(axis, dtype=np.float64)
+    return np.asarray(array / np.linalg.norm(array))
+
+
+def turn(axis: Floats, angle: float) -> Floats:
+    """Return the (3, 3) right-handed rotation about a unit axis (3,) by an angle in rad."""
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K))
+
+
+def angle_about(axis: Floats, start: Floats, end: Floats) -> float:
+    """Return the angle (rad) about a unit axis that turns start's part across it to end's."""
+    across = start - (axis @ start) * axis
+    return float(np.arctan2(end @ np.cross(axis, across), end @ across))
+
+
+def in_circle(angle: float) -> float:
+    """Return the angle in (-pi, pi]."""
+    return float(np.pi - (np.pi - angle) % (2.0 * np.pi))
+
+
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+MINUS_Y, MINUS_Z = (0.0, -1.0, 0.0), (0.0, 0.0, -1.0)
+ELEVATION = (0.0, np.pi)
+TSM_AXIAL = (-0.0584, -0.0846, 0.9947)  # ThoracoscapularShoulderModel.osim, in these axes
+
+JOINT_CONVENTIONS: Mapping[str, JointConvention] = MappingProxyType(
+    {
+        convention.name: convention
+        for convention in (
+            JointConvention(
+                'flexion_abduction_rotation',
+                ('flexion', 'abduction', 'rotation'),
+                (X, MINUS_Y, Z),
+                (-np.pi / 2, np.pi / 2),
+                'R(x, flexion) R(-y, abduction) R(z, rotation)',
+                'scapula',
+            ),
+            JointConvention(
+                'isb_yxy',
+                ('plane_of_elevation', 'elevation', 'axial_rotation'),
+                (Z, MINUS_Y, Z),
+                ELEVATION,
+                'R(z, plane_of_elevation) R(-y, elevation) R(z, axial_rotation)',
+                'scapula',
+            ),
+            JointConvention(
+                'opensim_tsm',
+                ('plane_elv', 'shoulder_elv', 'axial_rot'),
+                (Z, MINUS_Y, TSM_AXIAL),
+                ELEVATION,
+                'R(z, plane_elv) R(-y, shoulder_elv) R(k, axial_rot), '
+                'k = (-0.0584, -0.0846, 0.9947) normalised',
+                'scapula',
+            ),
+            JointConvention(
+                'opensim_mobl',
+                ('elv_angle', 'shoulder_elv', 'shoulder_rot'),
+                (Z, MINUS_Y, Z),
+                ELEVATION,
+                'R(z, elv_angle) R(-y, shoulder_elv) R(z, shoulder_rot - elv_angle)',
+                'thorax',
+                mix=((1, 0, 0), (0, 1, 0), (-1, 0, 1)),
+            ),
+            JointConvention(
+                'rep155',
+                ('y_shoulder', 'p_shoulder', 'r_shoulder'),
+                (Z, MINUS_Y, MINUS_Z),
+                ELEVATION,
+                'R(z, y_shoulder) R(-y, p_shoulder) R(z, -r_shoulder)',
+                'torso',
+            ),
+        )
+    }
+)
+"""The joint conventions by name; the node's parameter `joint_convention` takes these names."""

@@ -1,0 +1,52 @@
+"""Install linkedplane_ros, with colcon or with pip."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+package_name = 'linkedplane_ros'
+
+ros = [
+    'ros-jazzy-rclpy',
+    'ros-jazzy-common-interfaces',
+    'ros-jazzy-rmw-fastrtps-cpp',
+]
+fast = ['numba']
+tools = ['rosbags']
+test = ['hypothesis', 'mypy', 'pytest', 'ruff', 'scipy', 'types-PyYAML']
+
+setup(
+    name=package_name,
+    version='0.1.0',
+    packages=find_packages(exclude=['test']),
+    package_data={package_name: ['models/*.yaml']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
+        ('share/' + package_name, ['package.xml']),
+        ('share/' + package_name + '/config', glob('config/*')),
+        ('share/' + package_name + '/launch', glob('launch/*.py')),
+        ('share/' + package_name + '/msg_examples', glob('msg_examples/*.*')),
+    ],
+    install_requires=['setuptools', 'numpy', 'PyYAML'],
+    extras_require={
+        'ros': ros,
+        'fast': fast,
+        'tools': tools,
+        'all': ros + fast + tools,
+        'test': test,
+    },
+    python_requires='>=3.10',
+    zip_safe=False,
+    author='The linkedplane_ros maintainers',
+    maintainer='The linkedplane_ros maintainers',
+    maintainer_email='maintainers@users.noreply.h-seed-ec322b70.example',
+    description='Muscle paths of the deltoid by linked-plane obstacle sets, as a ROS 2 node',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'muscle_state_publisher = linkedplane_ros.node:main',
+            'linkedplane = linkedplane_ros.cli:main',
+            'demo = linkedplane_ros.demo:main',
+        ],
+    },
+)
