@@ -5,6 +5,7 @@ from glob import glob
 from setuptools import find_packages, setup
 
 package_name = 'linkedplane_ros'
+share = 'share/' + package_name
 
 ros = [
     'ros-jazzy-rclpy',
@@ -12,20 +13,32 @@ ros = [
     'ros-jazzy-rmw-fastrtps-cpp',
 ]
 fast = ['numba']
-tools = ['rosbags']
-test = ['hypothesis', 'mypy', 'pytest', 'ruff', 'scipy', 'types-PyYAML']
+tools = ['matplotlib', 'rosbags', 'scipy', 'tqdm']
+test = [
+    'colcon-bash',
+    'colcon-output',
+    'colcon-ros',
+    'colcon-test-result',
+    'hypothesis',
+    'mypy',
+    'pytest',
+    'ruff',
+    'scipy',
+    'types-PyYAML',
+]
 
 setup(
     name=package_name,
     version='0.1.0',
-    packages=find_packages(exclude=['test']),
+    packages=find_packages(include=[package_name]),
     package_data={package_name: ['models/*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
-        ('share/' + package_name, ['package.xml']),
-        ('share/' + package_name + '/config', glob('config/*')),
-        ('share/' + package_name + '/launch', glob('launch/*.py')),
-        ('share/' + package_name + '/msg_examples', glob('msg_examples/*.*')),
+        (share, ['package.xml']),
+        (share + '/config', glob('config/*')),
+        (share + '/launch', glob('launch/*.py')),
+        (share + '/msg_examples', glob('msg_examples/*.yaml')),
+        (share + '/msg_examples/arm_raise', glob('msg_examples/arm_raise/*')),
     ],
     install_requires=['setuptools', 'numpy', 'PyYAML'],
     extras_require={
@@ -44,9 +57,9 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'muscle_state_publisher = linkedplane_ros.node:main',
+            'muscle_state_publisher = linkedplane_ros.executables:muscle_state_publisher',
             'linkedplane = linkedplane_ros.cli:main',
-            'demo = linkedplane_ros.demo:main',
+            'demo = linkedplane_ros.executables:demo',
         ],
     },
 )

@@ -8,7 +8,6 @@ angle psi changes d by b psi and b by -d psi; everything else about the line and
 """
 
 from math import atan2, pi, sqrt
-from typing import NamedTuple
 
 from .compiled import compiled
 
@@ -47,44 +46,41 @@ def wrap_state(kind: int, R: float, d: float, b: float) -> int:
     return WRAPPED if b > 0.0 else CLEAR
 
 
-class Wrap(NamedTuple):
-    """A wrapped band in its plane: circle radius r (m), arc (rad), unit tangents along (u, e)."""
-
-    r: float
-    arc: float
-    t1u: float  # t1, from the origin P to the transition point Q
-    t1e: float
-    t2u: float  # t2, from the transition point T to the insertion S
-    t2e: float
-
-
 @compiled
-def wrap(D: float, a: float, tP: float, tS: float, R: float, d: float, b: float) -> Wrap:
-    """Wrap a band round its circle (App. C); lengths in m.
+def wrap(
+    D: float, a: float, tP: float, tS: float, R: float, d: float, b: float
+) -> tuple[float, float, float, float, float, float]:
+    """Wrap a band round its circle (App. C): return r (m), arc (rad), t1u, t1e, t2u, t2e.
 
-    tP and tS, the lengths of the two straight parts, are those of the tangents from P and S to the
-    sphere: they do not depend on the plane. The arc, in (0, 2 pi), is the turn from t1 to t2.
+    t1 is the unit tangent from P to the transition point Q, t2 that from the transition point T to
+    S, each along (u, e). tP and tS, the lengths of these two straight parts, are those of the
+    tangents from P and S to the sphere and do not depend on the plane. The arc, in (0, 2 pi), is
+    the turn from t1 to t2.
     """
     r = sqrt(R * R - d * d)
-    cP2 = tP * tP + r * r
-    cS2 = tS * tS + r * r
-    t1u = (a * tP - b * r) / cP2
-    t1e = (a * r + b * tP) / cP2
-    t2u = ((D - a) * tS - b * r) / cS2
-    t2e = -((D - a) * r + b * tS) / cS2
+    near_P = 1.0 / (tP * tP + r * r)  # 1 / |cP|^2
+    near_S = 1.0 / (tS * tS + r * r)
+    t1u = (a * tP - b * r) * near_P
+    t1e = (a * r + b * tP) * near_P
+    t2u = ((D - a) * tS - b * r) * near_S
+    t2e = -((D - a) * r + b * tS) * near_S
     arc = atan2(t1e * t2u - t1u * t2e, t1u * t2u + t1e * t2e)
     if arc < 0.0:
         arc += 2.0 * pi
-    return Wrap(r, arc, t1u, t1e, t2u, t2e)
+    return r, arc, t1u, t1e, t2u, t2e
 
 
 @compiled
-def length_by_plane(w: Wrap, d: float, b: float) -> tuple[float, float]:
+def length_by_plane(
+    d: float, b: float, r: float, arc: float, t1u: float, t1e: float, t2u: float, t2e: float
+) -> tuple[float, float]:
     """Return dL/dpsi (m/rad) and d2L/dpsi2 (m/rad^2) of a wrapped band for a turn of its plane.
 
     dL = (t1 - t2).dc + arc dr, with dc = -d psi e and r dr = -d dd (spec section 4).
     """
-    bulge = b * w.arc / w.r + w.t1e - w.t2e
-    bend = (w.arc / w.r) * (1.0 - b * b / (w.r * w.r))
-    bend += (b * (w.t1e - w.t2e) / w.r + w.t1e * w.t1u - w.t2e * w.t2u) / w.r
-    return -d * bulge, -b * bulge + d * d * bend
+    k = 1.0 / r
+    bk = b * k
+    open_e = t1e - t2e
+    bulge = bk * arc + open_e
+    bend = k * (arc * (1.0 - bk * bk) + bk * open_e + t1e * t1u - t2e * t2u)
+    return -d * bulge, d * d * bend - b * bulge

@@ -1,15 +1,23 @@
-"""Compile the solver's kernels with numba where it is installed; the same source runs without it."""
+"""Compile the solver's kernels with numba where it is installed; the same source runs without it.
 
+Setting the environment variable LINKEDPLANE_COMPILE to 0 keeps them uncompiled.
+"""
+
+from __future__ import annotations
+
+import hashlib
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 Kernel = TypeVar('Kernel', bound=Callable[..., Any])
 
 try:
-    if os.environ.get('LINKEDPLANE_COMPILE', '1') == '0':
-        raise ImportError
+    if os.environ.get('LINKEDPLANE_COMPILE') == '0':
+        raise ImportError('compilation is switched off')
     import numba
+    from numba.extending import register_jitable
 except ImportError:
     COMPILED = False
 else:
@@ -17,7 +25,33 @@ else:
 
 
 def compiled(kernel: Kernel) -> Kernel:
-    """Return the kernel compiled for the machine, or itself where numba is missing."""
+    """Return a kernel that other kernels call: compiled into them, plain Python for Python."""
     if not COMPILED:
         return kernel
-    return numba.njit(error_model='numpy')(kernel)  # type: ignore[no-any-return]
+    return register_jitable(error_model='numpy')(kernel)  # type: ignore[no-any-return]
+
+
+def entry(kernel: Kernel) -> Kernel:
+    """Return a kernel that Python calls: it lets other threads run, and is cached on disk.
+
+    Beside the source, or in the user's cache folder where that is read-only, or, with neither to
+    write to, not at all.
+    """
+    if not COMPILED:
+        return kernel
+    try:
+        return numba.njit(error_model='numpy', nogil=True, cache=True)(kernel)  # type: ignore
+    except RuntimeError:
+        return numba.njit(error_model='numpy', nogil=True)(kernel)  # type: ignore
+
+
+def fingerprint() -> str:
+    """Return a name for the present state of the package's sources.
+
+    numba renews a cached kernel when its own file changes, but not when one that it calls does. A
+    kernel that closes over this name is cached under it, too.
+    """
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob('*.py')):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()

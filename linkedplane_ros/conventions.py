@@ -7,8 +7,10 @@ y anterior, z superior. Angles are anatomical, so the left shoulder takes the sa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -16,6 +18,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 
+LEFT_AXES = np.array([[1.0], [-1.0], [-1.0]])  # axes of rotation mirrored, x -> -x
 SINGULAR = 1e-9  # below this sine the first and third turn are about one axis
 
 
@@ -40,8 +43,7 @@ class JointConvention:
 
     def rotation(self, angles: npt.ArrayLike) -> Floats:
         """Return the (3, 3) rotation humerus -> scapula of three angles (3,), rad."""
-        first, second, third = self._turns(three(angles))
-        return np.asarray(first @ second @ third)
+        return self.rotation_and_axes(angles)[0]
 
     def axes(self, angles: npt.ArrayLike, side: str = 'right') -> Floats:
         """Return (3, 3): column j is the unit axis about which coordinate j turns the humerus.
@@ -50,15 +52,30 @@ class JointConvention:
         their sum and not of unit length.) For side='left' the axes are those of the left scapula
         frame, x to the body's right: mirrored as axes of rotation are, (x, -y, -z).
         """
-        first, second, _ = self._turns(three(angles))
-        e1, e2, e3 = (unit(axis) for axis in self.sequence)
-        moved = np.column_stack([e1, first @ e2, first @ second @ e3])
-        columns = np.asarray(moved @ np.array(self.mix))
+        return self.rotation_and_axes(angles, side)[1]
+
+    def rotation_and_axes(
+        self, angles: npt.ArrayLike, side: str = 'right'
+    ) -> tuple[Floats, Floats]:
+        """Return `rotation` (always the right shoulder's) and `axes` of three angles, at once."""
+        e1, e2, e3 = self._units
+        m1, m2, m3 = (self._mix @ three(angles)).tolist()
+        first = turn(e1, m1)
+        second = first @ turn(e2, m2)
+        columns = np.column_stack((e1, first @ e2, second @ e3)) @ self._mix
         if side == 'left':
-            columns *= np.array([[1.0], [-1.0], [-1.0]])
+            columns *= LEFT_AXES
         elif side != 'right':
             raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
-        return columns
+        return second @ turn(e3, m3), columns
+
+    @cached_property
+    def _units(self) -> list[Floats]:
+        return [unit(axis) for axis in self.sequence]
+
+    @cached_property
+    def _mix(self) -> Floats:
+        return np.array(self.mix, dtype=np.float64)
 
     def angles(self, rotation: npt.ArrayLike) -> Floats:
         """Return the angles (3,), rad, of a (3, 3) rotation: the inverse of `rotation`.
@@ -71,7 +88,7 @@ class JointConvention:
         R = np.asarray(rotation, dtype=np.float64)
         if R.shape != (3, 3) or not np.isfinite(R).all():
             raise ValueError(f'rotation: shape {R.shape} given, (3, 3) finite numbers expected')
-        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        e1, e2, e3 = self._units
         # R^T e1 = R3^T R2^T e1, and R2^T e1 keeps its component along e2: one equation for m3
         w = R.T @ e1
         along = (e3 @ w) * e3
@@ -84,27 +101,20 @@ class JointConvention:
                 f'within {np.degrees(np.arcsin(abs(e2 @ e3))):.1f} deg of the arm at the side'
             )
         if swing < SINGULAR:
-            return np.linalg.solve(np.array(self.mix), self._at_singularity(R))
+            return np.linalg.solve(self._mix, self._at_singularity(R))
         middle_of = np.arctan2(sine, cosine)
         half = np.arccos(np.clip(-constant / swing, -1.0, 1.0))
         found = [self._from_third(R, w, m3) for m3 in (middle_of + half, middle_of - half)]
-        return np.linalg.solve(np.array(self.mix), min(found, key=self._outside))
+        return np.linalg.solve(self._mix, min(found, key=self._outside))
 
     def sine_of_singularity(self, angles: npt.ArrayLike) -> float:
         """Return the sine of the angle between the first and the third turn's axis; 0: singular."""
-        first, second, _ = self._turns(three(angles))
-        e1, _, e3 = (unit(axis) for axis in self.sequence)
-        return float(np.linalg.norm(np.cross(e1, first @ second @ e3)))
-
-    def _turns(self, angles: Floats) -> tuple[Floats, Floats, Floats]:
-        m = np.array(self.mix) @ angles
-        first, second, third = (
-            turn(unit(axis), float(angle)) for axis, angle in zip(self.sequence, m, strict=True)
-        )
-        return first, second, third
+        e1, e2, e3 = self._units
+        m2 = float((self._mix @ three(angles))[1])
+        return float(np.linalg.norm(np.cross(e1, turn(e2, m2) @ e3)))
 
     def _from_third(self, R: Floats, w: Floats, m3: float) -> Floats:
-        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        e1, e2, e3 = self._units
         back = turn(e3, m3)
         m2 = -angle_about(e2, e1, back @ w)
         first = R @ back.T @ turn(e2, m2).T
@@ -112,7 +122,7 @@ class JointConvention:
         return np.array([m1, m2, in_circle(m3)])
 
     def _at_singularity(self, R: Floats) -> Floats:
-        e1, e2, e3 = (unit(axis) for axis in self.sequence)
+        e1, e2, e3 = self._units
         m2 = -angle_about(e2, e1, R.T @ e1)
         return np.array([0.0, m2, angle_about(e3, e2, turn(e2, m2).T @ R @ e2)])
 
@@ -138,9 +148,16 @@ def unit(axis: npt.ArrayLike) -> Floats:
 
 def turn(axis: Floats, angle: float) -> Floats:
     """Return the (3, 3) right-handed rotation about a unit axis (3,) by an angle in rad."""
-    x, y, z = axis
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K))
+    x, y, z = axis.tolist()
+    c, s = math.cos(angle), math.sin(angle)
+    k = 1.0 - c
+    return np.array(
+        (
+            (c + k * x * x, k * x * y - s * z, k * x * z + s * y),
+            (k * x * y + s * z, c + k * y * y, k * y * z - s * x),
+            (k * x * z - s * y, k * y * z + s * x, c + k * z * z),
+        )
+    )
 
 
 def angle_about(axis: Floats, start: Floats, end: Floats) -> float:

@@ -21,8 +21,8 @@ from .band import (
 from .compiled import compiled
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
 
-SAME_ANGLE = 1e-13  # rad: theta is found to this
-SCAN_STEP = 0.5  # rad: between samples of dE/dtheta where bands pull apart
+LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of its square
+SCAN_STEP = 1.0  # rad: between samples of dE/dtheta where bands pull apart
 CIRCLE_STEPS = 96  # samples of a whole circle, where there is nothing better
 
 
@@ -33,47 +33,45 @@ class Constants(NamedTuple):
     insertions: list[float]  # humerus frame
     centres: list[float]  # each in its band's moving frame
     radii: list[float]
-    plane_angles: list[float]
+    plane_cosines: list[float]  # of phi; the first is not used
+    plane_sines: list[float]
     reference_normal: list[float]  # N, ground frame
     ground_point: list[float]  # SC, ground frame
     humeral_point: list[float]  # HM, humerus frame
 
 
-class Band(NamedTuple):
-    """One band at one pose: all of it that does not depend on theta. Ground frame, m."""
+class Section(NamedTuple):
+    """What a band's length at one pose takes besides theta: numbers alone, m."""
 
-    S: Vector  # insertion
-    u: Vector  # from the origin P to S, unit
     D: float  # |S - P|
-    p: Vector  # from P to the sphere's centre
-    a: float  # p along u
-    R: float  # the sphere's radius
+    a: float  # the sphere's centre along u, from P
     tP: float  # tangent lengths from P and S to the sphere
     tS: float
-    kind: int  # PIERCED, BESIDE or INSIDE
-    y: Vector  # axes of the sphere's moving frame, for its motion
-    z: Vector
-    lever: float  # |HM - P|
-    skew: float  # (SC - P).x / (SC - P).y in that frame
-    A: Vector  # plane normal, unnormalised: A cos(theta) + B sin(theta)
-    B: Vector
-    dA: float  # p.A, p.B: the sphere's distance from the plane, times |A cos + B sin|
+    R: float  # the sphere's radius
+    dA: float  # p.A, p.B: the centre's distance from the plane, times |A cos + B sin|
     dB: float
-    bA: float  # (p x u).A, (p x u).B: the same for b
+    bA: float  # (p x u).A, (p x u).B: the same for its offset b towards the bulge
     bB: float
     AA: float
     AB: float
     BB: float
     kappa: float  # (A x B).u: how fast the plane turns with theta
+    kind: int  # PIERCED, BESIDE or INSIDE
 
 
-class Plane(NamedTuple):
-    """A band's plane at one theta."""
+class Band(NamedTuple):
+    """One band at one pose, ground frame, m: all of it that does not depend on theta."""
 
-    d: float  # distance of the sphere's centre, m
-    b: float  # that centre's offset towards the bulge, m
-    J: float  # dpsi/dtheta, psi the plane's turn about the band's line
-    dJ: float  # d2psi/dtheta2
+    S: Vector  # insertion
+    u: Vector  # from the origin P to S, unit
+    p: Vector  # from P to the sphere's centre
+    A: Vector  # plane normal, unnormalised: A cos(theta) + B sin(theta)
+    B: Vector
+    y: Vector  # axes of the sphere's moving frame, for its motion
+    z: Vector
+    lever: float  # |HM - P|
+    skew: float  # (SC - P).x / (SC - P).y in that frame
+    section: Section
 
 
 @compiled
@@ -126,69 +124,84 @@ def bands_at(muscle: Constants, rotation: tuple[Vector, Vector, Vector]) -> list
         if i == 0:
             B = cross(u, A)
         else:
-            c, s = cos(muscle.plane_angles[i]), sin(muscle.plane_angles[i])
+            c, s = muscle.plane_cosines[i], muscle.plane_sines[i]
             A = mix(c, A, s, cross(u, A))
             B = mix(c, B, s, cross(u, B))
         size = sqrt(dot(A, A) + dot(B, B))
         if size < 1e-9:
             break
         A, B = times(1.0 / size, A), times(1.0 / size, B)
-        bands.append(
-            Band(
-                S, u, D, p, a, R, tP, tS, kind,
-                y, z, lever, dot(q, x) / across,
-                A, B, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
-                dot(A, A), dot(A, B), dot(B, B), dot(cross(A, B), u),
-            )
+        section = Section(
+            D, a, tP, tS, R, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
+            dot(A, A), dot(A, B), dot(B, B), dot(cross(A, B), u), kind,
         )  # fmt: skip
+        bands.append(Band(S, u, p, A, B, y, z, lever, dot(q, x) / across, section))
     return bands
 
 
 @compiled
-def plane_at(band: Band, c: float, s: float) -> Plane:
-    """Return the band's plane at theta, given its cosine and sine."""
-    size2 = band.AA * c * c + 2.0 * band.AB * c * s + band.BB * s * s
-    growth = 2.0 * ((band.BB - band.AA) * c * s + band.AB * (c * c - s * s))
-    size2 = max(size2, 1e-300)
-    size = sqrt(size2)
-    J = band.kappa / size2
-    return Plane(
-        (band.dA * c + band.dB * s) / size,
-        (band.bA * c + band.bB * s) / size,
-        J,
-        -J * growth / size2,
-    )
+def plane_at(section: Section, c: float, s: float) -> tuple[float, float, float, float]:
+    """Return a band's plane at theta, given its cosine and sine: d, b, J, dJ.
+
+    d is the distance of the sphere's centre from the plane, b that centre's offset towards the
+    bulge (m); J = dpsi/dtheta and dJ = d2psi/dtheta2, psi the plane's turn about the band's line.
+    """
+    _, _, _, _, _, dA, dB, bA, bB, AA, AB, BB, kappa, _ = section
+    k2 = 1.0 / max(AA * c * c + 2.0 * AB * c * s + BB * s * s, 1e-300)
+    k = sqrt(k2)
+    J = kappa * k2
+    dJ = -2.0 * J * k2 * ((BB - AA) * c * s + AB * (c * c - s * s))
+    return k * (dA * c + dB * s), k * (bA * c + bB * s), J, dJ
 
 
 @compiled
-def state_at(band: Band, plane: Plane, straight: bool) -> int:
-    """Return the wrap state of a band; `straight` holds it just outside its sphere's edge."""
-    if straight:
-        return MISSED if abs(plane.d) > (1.0 - 1e-6) * band.R else CLEAR
-    return wrap_state(band.kind, band.R, plane.d, plane.b)
+def state_at(section: Section, d: float, b: float, held: bool) -> int:
+    """Return the wrap state of a band; `held` keeps it just outside its sphere's edge."""
+    if held:
+        return MISSED if abs(d) > (1.0 - 1e-6) * section.R else CLEAR
+    return wrap_state(section.kind, section.R, d, b)
 
 
 @compiled
-def energy(bands: list[Band], theta: float, held: int) -> tuple[float, float, float, int]:
-    """Return E (m), dE/dtheta, d2E/dtheta2 and the number of wrapped bands that may be straight.
+def energy(
+    bands: list[Band], theta: float, pierced: bool, held: int
+) -> tuple[float, float, float]:
+    """Return E (m), dE/dtheta and d2E/dtheta2.
 
-    `held` is the band at the edge of its sphere (-1: none), which counts as straight.
+    `pierced` takes the bands that pierce their spheres for all there is; `held` is the band at the
+    edge of its sphere (-1: none), which counts as straight.
     """
     c, s = cos(theta), sin(theta)
-    E, dE, ddE, extra = 0.0, 0.0, 0.0, 0
+    E, dE, ddE = 0.0, 0.0, 0.0
     for i in range(len(bands)):
-        band = bands[i]
-        plane = plane_at(band, c, s)
-        if state_at(band, plane, i == held) != WRAPPED:
-            E += band.D
+        section = bands[i].section
+        if pierced and section.kind != PIERCED:
             continue
-        w = wrap(band.D, band.a, band.tP, band.tS, band.R, plane.d, plane.b)
-        dL, ddL = length_by_plane(w, plane.d, plane.b)
-        E += band.tP + w.r * w.arc + band.tS
-        dE += dL * plane.J
-        ddE += ddL * plane.J * plane.J + dL * plane.dJ
-        extra += band.kind == BESIDE
-    return E, dE, ddE, extra
+        d, b, J, dJ = plane_at(section, c, s)
+        if not pierced and state_at(section, d, b, i == held) != WRAPPED:
+            E += section.D
+            continue
+        r, arc, t1u, t1e, t2u, t2e = wrap(
+            section.D, section.a, section.tP, section.tS, section.R, d, b
+        )
+        dL, ddL = length_by_plane(d, b, r, arc, t1u, t1e, t2u, t2e)
+        E += section.tP + r * arc + section.tS
+        dE += dL * J
+        ddE += ddL * J * J + dL * dJ
+    return E, dE, ddE
+
+
+@compiled
+def others_straight(bands: list[Band], theta: float, held: int) -> bool:
+    """Return whether every band that does not pierce its sphere is straight at theta."""
+    c, s = cos(theta), sin(theta)
+    for i in range(len(bands)):
+        section = bands[i].section
+        if section.kind == BESIDE and i != held:
+            d, b, _, _ = plane_at(section, c, s)
+            if wrap_state(BESIDE, section.R, d, b) == WRAPPED:
+                return False
+    return True
 
 
 @compiled
@@ -199,11 +212,11 @@ def wrapped_angle(angle: float) -> float:
 
 
 @compiled
-def descend(bands: list[Band], low: float, start: float, high: float) -> float:
+def descend(bands: list[Band], low: float, start: float, high: float, pierced: bool) -> float:
     """Return the theta of least length between low, where E falls, and high, where it rises."""
     theta = start
     for _ in range(100):
-        _, dE, ddE, _ = energy(bands, theta, -1)
+        _, dE, ddE = energy(bands, theta, pierced, -1)
         if dE > 0.0:
             high = theta
         else:
@@ -212,25 +225,25 @@ def descend(bands: list[Band], low: float, start: float, high: float) -> float:
         if not low <= theta + step <= high:
             step = 0.5 * (low + high) - theta
         theta += step
-        if abs(step) <= SAME_ANGLE * 1e2:  # the next Newton step would be below SAME_ANGLE
+        if abs(step) < LAST_STEP:
             break
     return theta
 
 
 @compiled
 def valley(bands: list[Band], low: float, guess: float, high: float) -> float:
-    """Return the theta of least length between low and high, sampled where they are far apart."""
+    """Return the theta between low and high at which the pierced bands are shortest."""
     steps = max(1, int(ceil((high - low) / SCAN_STEP)))
     best, theta = inf, guess
     left, falling = low, True
     for k in range(1, steps + 1):
         right = low + (high - low) * k / steps
         was_falling = falling
-        falling = k < steps and energy(bands, right, -1)[1] < 0.0
+        falling = k < steps and energy(bands, right, True, -1)[1] < 0.0
         if was_falling and not falling:
             start = guess if left < guess < right else 0.5 * (left + right)
-            bottom = descend(bands, left, start, right)
-            E = energy(bands, bottom, -1)[0] if steps > 1 else 0.0
+            bottom = descend(bands, left, start, right, True)
+            E = energy(bands, bottom, True, -1)[0] if steps > 1 else 0.0
             if E < best:
                 best, theta = E, bottom
         left = right
@@ -238,19 +251,22 @@ def valley(bands: list[Band], low: float, guess: float, high: float) -> float:
 
 
 @compiled
-def slackest(band: Band) -> float:
-    """Return the theta at which a pierced band is shortest: its plane through the centre."""
-    c, s = band.dB, -band.dA
-    if band.bA * c + band.bB * s > 0.0:
-        c, s = -c, -s
-    return atan2(s, c)
+def slackest(section: Section) -> tuple[float, float]:
+    """Return (cos, sin) of the theta at which a pierced band is shortest: d = 0, b < 0."""
+    c, s = section.dB, -section.dA
+    size = hypot(c, s)
+    if size == 0.0:
+        return 1.0, 0.0
+    if section.bA * c + section.bB * s > 0.0:
+        size = -size
+    return c / size, s / size
 
 
 @compiled
 def least(bands: list[Band], theta: float, held: int, best: tuple[float, float, int], neutral: float
           ) -> tuple[float, float, int]:  # fmt: skip
     """Return the better of two candidates (E, theta, held): the shorter, then nearest neutral."""
-    E = energy(bands, theta, held)[0]
+    E = energy(bands, theta, False, held)[0]
     nearer = abs(wrapped_angle(theta - neutral)) < abs(wrapped_angle(best[1] - neutral))
     if E < best[0] or (E == best[0] and nearer):
         return E, theta, held
@@ -258,7 +274,7 @@ def least(bands: list[Band], theta: float, held: int, best: tuple[float, float, 
 
 
 @compiled
-def edges(band: Band) -> list[float]:
+def edges(band: Section) -> list[float]:
     """Return the thetas at which a band starts or ceases to touch the sphere that it passes."""
     found = []
     if band.kind != BESIDE:
@@ -291,11 +307,13 @@ def search_circle(bands: list[Band], neutral: float) -> tuple[float, int]:
     through zero; the edges themselves are candidates, for there E jumps.
     """
     nodes = [neutral]
-    best = (energy(bands, neutral, -1)[0], neutral, -1)
+    best = (energy(bands, neutral, False, -1)[0], neutral, -1)
     for i in range(len(bands)):
-        if bands[i].kind == PIERCED:
-            nodes.append(slackest(bands[i]))
-        for theta in edges(bands[i]):
+        section = bands[i].section
+        if section.kind == PIERCED:
+            c, s = slackest(section)
+            nodes.append(atan2(s, c))
+        for theta in edges(section):
             nodes.append(theta)
             best = least(bands, theta, i, best, neutral)
     for k in range(CIRCLE_STEPS):
@@ -307,23 +325,26 @@ def search_circle(bands: list[Band], neutral: float) -> tuple[float, int]:
         low, high = nodes[k] + inset, nodes[k + 1] - inset
         if low >= high:
             continue
-        if energy(bands, low, -1)[1] < 0.0 <= energy(bands, high, -1)[1]:
-            theta = descend(bands, low, 0.5 * (low + high), high)
+        if energy(bands, low, False, -1)[1] < 0.0 <= energy(bands, high, False, -1)[1]:
+            theta = descend(bands, low, 0.5 * (low + high), high, False)
             best = least(bands, theta, -1, best, neutral)
     return wrapped_angle(best[1]), best[2]
 
 
 @compiled
 def settle(bands: list[Band], neutral: float) -> tuple[float, int]:
-    """Return a theta near neutral at which every band of an all-straight muscle is straight."""
-    if energy(bands, neutral, -1)[3] == 0:
+    """Return the theta nearest neutral at which every band of an all-straight muscle is straight.
+
+    The second answer is the band that this theta puts at the edge of its sphere, or -1.
+    """
+    if others_straight(bands, neutral, -1):
         return neutral, -1
     nearest, held = inf, -1
     for i in range(len(bands)):
-        for theta in edges(bands[i]):
-            away = abs(wrapped_angle(theta - neutral))
-            if away < abs(nearest) and energy(bands, theta, i)[3] == 0:
-                nearest, held = wrapped_angle(theta - neutral), i
+        for theta in edges(bands[i].section):
+            away = wrapped_angle(theta - neutral)
+            if abs(away) < abs(nearest) and others_straight(bands, theta, i):
+                nearest, held = away, i
     if held < 0:
         return search_circle(bands, neutral)
     return wrapped_angle(neutral + nearest), held
@@ -331,34 +352,44 @@ def settle(bands: list[Band], neutral: float) -> tuple[float, int]:
 
 @compiled
 def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
-    """Return the theta (rad, in (-pi, pi]) that makes the muscle shortest (App. D), and `held`.
+    """Return the theta (rad, in (-pi, pi]) that makes the muscle shortest (App. D).
 
-    A function of the pose alone. Each pierced band alone is shortest with its plane through its
-    sphere's centre and lengthens steadily up to the opposite plane, so where those angles lie
-    within half a circle the minimum lies between them; bands that pass their spheres are straight
-    there, or the whole circle is searched. Where no band is pierced the muscle may be straight over
-    a range of theta: the one nearest `neutral` is taken.
+    The second answer is the band that this theta keeps at the edge of its sphere, or -1.
+
+    A function of the pose alone. Each pierced band by itself is shortest with its plane through its
+    sphere's centre and lengthens steadily up to the opposite plane; so where these angles lie
+    within half a circle, the minimum over the pierced bands lies between them. If all other bands
+    are straight there, nothing is shorter; if not, the whole circle is searched. Where no band is
+    pierced the muscle may be straight over a range of theta: the one nearest `neutral` is taken.
     """
-    first, weight, lean, low, high = inf, 0.0, 0.0, 0.0, 0.0
+    pierced = 0
+    cosine, sine = 0.0, 0.0
     for i in range(len(bands)):
-        band = bands[i]
-        if band.kind != PIERCED:
-            continue
-        theta = slackest(band)
-        if first == inf:
-            first = theta
-        away = wrapped_angle(theta - first)
-        low, high = min(low, away), max(high, away)
-        plane = plane_at(band, cos(theta), sin(theta))
-        w = wrap(band.D, band.a, band.tP, band.tS, band.R, plane.d, plane.b)
-        stiffness = length_by_plane(w, plane.d, plane.b)[1] * plane.J * plane.J
-        weight += stiffness
-        lean += stiffness * away
-    if first == inf:
+        section = bands[i].section
+        if section.kind == PIERCED:
+            c, s = slackest(section)
+            d, b, J, _ = plane_at(section, c, s)
+            r, arc, t1u, t1e, t2u, t2e = wrap(
+                section.D, section.a, section.tP, section.tS, section.R, d, b
+            )
+            _, ddL = length_by_plane(d, b, r, arc, t1u, t1e, t2u, t2e)
+            cosine += ddL * J * J * c
+            sine += ddL * J * J * s
+            pierced += 1
+    if not pierced:
         return settle(bands, neutral)
-    if weight <= 0.0 or high - low >= pi:
+    # the guess: where springs as stiff as the bands at their shortest would balance
+    guess = atan2(sine, cosine)
+    low, high = 0.0, 0.0
+    for i in range(len(bands)):
+        section = bands[i].section
+        if section.kind == PIERCED:
+            c, s = slackest(section)
+            away = atan2(s * cosine - c * sine, c * cosine + s * sine)
+            low, high = min(low, away), max(high, away)
+    if not high - low < pi:
         return search_circle(bands, neutral)
-    theta = valley(bands, first + low, first + lean / weight, first + high)
-    if energy(bands, theta, -1)[3] > 0:
+    theta = valley(bands, guess + low, guess, guess + high)
+    if not others_straight(bands, theta, -1):
         return search_circle(bands, neutral)
     return wrapped_angle(theta), -1

@@ -5,36 +5,20 @@ has two parts: its own, at a fixed theta, and the one that every band shares bec
 the pose, dtheta/domega = -(d2E/dtheta domega) / (d2E/dtheta2). A prime is d/dtheta.
 """
 
-from math import cos, sin, sqrt
-from typing import NamedTuple
+from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
 from .compiled import compiled
-from .linked_planes import Band, Constants, Plane, plane_at, state_at, vector
-from .vectors import Vector, cross, dot, minus, mix, plus, times, turned
+from .linked_planes import Band, Constants, plane_at, state_at, vector
+from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
 
 ZERO = (0.0, 0.0, 0.0)
-
-
-class Turn(NamedTuple):
-    """How a band's plane turns about its line with the pose at a fixed theta, and its prime."""
-
-    W: Vector  # dpsi/domega
-    dW: Vector
-
-
-class Pull(NamedTuple):
-    """What turning the humerus does to one band at a fixed theta, and its prime."""
-
-    g: Vector  # dL/domega, m/rad
-    dg: Vector
-    dL: float  # dL/dtheta, m/rad
 
 
 @compiled
 def tilt(band: Band, x: Vector) -> Vector:
     """Return d(u.x)/domega for a fixed x across the line: u turns as its end S moves."""
-    return times(1.0 / band.D, cross(band.S, x))
+    return times(1.0 / band.section.D, cross(band.S, x))
 
 
 @compiled
@@ -48,71 +32,80 @@ def sphere_moves(band: Band, HM: Vector, f: Vector) -> Vector:
 
 
 @compiled
-def first_turn(band: Band, N: Vector) -> Turn:
-    """Return how the first band's plane follows its line against the reference normal N."""
+def first_turn(band: Band, N: Vector) -> Vector:
+    """Return dpsi/domega of the first band's plane, which follows the reference normal N."""
     uN = cross(band.u, N)
-    return Turn(times(-dot(N, band.u) / dot(uN, uN), tilt(band, uN)), ZERO)
+    return times(-dot(N, band.u) / dot(uN, uN), tilt(band, uN))
 
 
 @compiled
-def next_turn(before: Turn, last: Band, n: Vector, J: float, band: Band) -> Turn:
-    """Return how a band's plane follows the plane before it, of normal n and dpsi/dtheta J."""
+def next_turn(
+    W: Vector, dW: Vector, J: float, n: Vector, last: Band, band: Band
+) -> tuple[Vector, Vector]:
+    """Return dpsi/domega of a band's plane, at a fixed theta, and its prime.
+
+    It follows the plane before it, that of the band `last`: of normal n and turns W, dW and J.
+    """
     e = cross(last.u, n)
     nu, eps, mu = dot(n, band.u), dot(e, band.u), dot(last.u, band.u)
-    un, ue = cross(band.u, n), cross(band.u, e)
-    size2 = max(eps * eps + mu * mu, 1e-300)  # 1 - nu^2
-    top = mix(mu, before.W, eps, tilt(last, n))
-    top = minus(top, times(nu, tilt(band, un)))
-    dtop = mix(mu, before.dW, -J * nu, tilt(last, n))
-    dtop = plus(dtop, times(J * eps, tilt(last, e)))
-    dtop = minus(dtop, mix(J * eps, tilt(band, un), J * nu, tilt(band, ue)))
-    shrink = -2.0 * nu * J * eps / size2
-    return Turn(times(1.0 / size2, top), mix(1.0 / size2, dtop, -shrink / size2, top))
+    k = 1.0 / max(eps * eps + mu * mu, 1e-300)  # 1 / (1 - nu^2)
+    tilt_n, tilt_un = tilt(last, n), tilt(band, cross(band.u, n))
+    top = minus(mix(mu, W, eps, tilt_n), times(nu, tilt_un))
+    dtop = mix(eps, tilt(last, e), -nu, tilt(band, cross(band.u, e)))
+    dtop = minus(dtop, mix(nu, tilt_n, eps, tilt_un))
+    dtop = mix(mu, dW, J, dtop)
+    return times(k, top), mix(k, dtop, 2.0 * nu * eps * J * k * k, top)
 
 
 @compiled
-def pull(band: Band, HM: Vector, n: Vector, plane: Plane, turn: Turn) -> Pull:
-    """Return what turning the humerus does to a wrapped band (spec section 4).
+def pull(
+    band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
+    dW: Vector,
+) -> tuple[float, float, float, Vector, Vector]:  # fmt: skip
+    """Return a wrapped band's L (m), dL/dpsi, d2L/dpsi2 and, at a fixed theta, dL/domega, its prime.
 
     dL = t2.dS + (t1 - t2).dC - (arc d / r) n.dC + d ((t1 - t2).u + arc a / r) n.du + dL/dpsi dpsi
+    (spec section 4, with dc = dC - dd n - d dn and dd = dC.n + (C - P).dn)
     """
-    d, b, J, dJ = plane
-    u, e = band.u, cross(band.u, n)
-    w = wrap(band.D, band.a, band.tP, band.tS, band.R, d, b)
-    Lpsi, Lpsi2 = length_by_plane(w, d, b)
-    dd, dr = J * b, -J * d * b / w.r
-    df1, df2 = -J * d * w.t1e / w.r, -J * d * w.t2e / w.r  # turn of t1 and t2 in the plane
-    darc = df1 - df2
+    d, b, J, _ = plane
+    section, u, e = band.section, band.u, cross(band.u, n)
+    r, arc, t1u, t1e, t2u, t2e = wrap(
+        section.D, section.a, section.tP, section.tS, section.R, d, b
+    )
+    Lpsi, Lpsi2 = length_by_plane(d, b, r, arc, t1u, t1e, t2u, t2e)
+    k = 1.0 / r
+    dd, dr = J * b, -J * d * b * k
+    turn_1, turn_2 = -J * d * t1e * k, -J * d * t2e * k  # of t1 and t2 in the plane
+    open_u, open_e = t1u - t2u, t1e - t2e
+    dopen_u, dopen_e = t2e * turn_2 - t1e * turn_1, t1u * turn_1 - t2u * turn_2
+    off = arc * d * k
+    doff = ((turn_1 - turn_2) * d + arc * dd - off * dr) * k
+    h = d * open_u + off * section.a
+    dh = dd * open_u + d * dopen_u + doff * section.a
 
-    t2 = mix(w.t2u, u, w.t2e, e)
-    dt2 = mix(-w.t2e * df2, u, w.t2u * df2, e)
-    dt2 = minus(dt2, times(J * w.t2e, n))
-    bend_u, bend_e = w.t1u - w.t2u, w.t1e - w.t2e
-    dbend_u, dbend_e = -w.t1e * df1 + w.t2e * df2, w.t1u * df1 - w.t2u * df2
-    off = w.arc * d / w.r
-    doff = (darc * d + w.arc * dd - off * dr) / w.r
-    f = minus(mix(bend_u, u, bend_e, e), times(off, n))  # force on the sphere
-    df = mix(dbend_u, u, dbend_e - J * off, e)
-    df = minus(df, times(J * bend_e + doff, n))
-    h = d * bend_u + off * band.a
-    dh = dd * bend_u + d * dbend_u + doff * band.a
-
+    t2 = mix(t2u, u, t2e, e)
+    dt2 = minus(mix(-t2e * turn_2, u, t2u * turn_2, e), times(J * t2e, n))
+    f = minus(mix(open_u, u, open_e, e), times(off, n))  # force on the sphere
+    df = minus(mix(dopen_u, u, dopen_e - J * off, e), times(J * open_e + doff, n))
+    tilt_n = tilt(band, n)
     g = plus(cross(band.S, t2), sphere_moves(band, HM, f))
-    g = plus(g, mix(h, tilt(band, n), Lpsi, turn.W))
+    g = plus(g, mix(h, tilt_n, Lpsi, W))
     dg = plus(cross(band.S, dt2), sphere_moves(band, HM, df))
-    dg = plus(dg, mix(dh, tilt(band, n), h * J, tilt(band, e)))
-    dg = plus(dg, mix(Lpsi2 * J, turn.W, Lpsi, turn.dW))
-    return Pull(g, dg, Lpsi * J)
+    dg = plus(dg, mix(dh, tilt_n, h * J, tilt(band, e)))
+    dg = plus(dg, mix(Lpsi2 * J, W, Lpsi, dW))
+    return section.tP + r * arc + section.tS, Lpsi, Lpsi2, g, dg
 
 
 @compiled
-def edge_follows(band: Band, HM: Vector, n: Vector, plane: Plane, turn: Turn) -> Vector:
+def edge_follows(
+    band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector
+) -> Vector:
     """Return dtheta/domega where theta keeps a band at the edge of its sphere: d, or b, stays."""
-    lever = plane.b
-    if abs(plane.d) < (1.0 - 1e-6) * band.R:  # the edge at b = 0
-        n, lever = cross(band.u, n), -plane.d
-    drift = minus(sphere_moves(band, HM, n), times(band.a, tilt(band, n)))
-    return times(-1.0 / (lever * plane.J), plus(drift, times(lever, turn.W)))
+    d, b, J, _ = plane
+    if abs(d) < (1.0 - 1e-6) * band.section.R:  # the edge at b = 0: e for n, -d for b
+        n, b = cross(band.u, n), -d
+    drift = minus(sphere_moves(band, HM, n), times(band.section.a, tilt(band, n)))
+    return times(-1.0 / (b * J), plus(drift, times(b, W)))
 
 
 @compiled
@@ -131,32 +124,32 @@ def muscle_state(
     c, s = cos(theta), sin(theta)
     Ett, Etw = 0.0, ZERO  # d2E/dtheta2 and d2E/dtheta domega
     follow = ZERO  # dtheta/domega
-    shared = [0.0] * len(bands)
-    last, n, turn, J = bands[0], ZERO, Turn(ZERO, ZERO), 1.0
+    shared = [0.0] * len(bands)  # dL/dtheta
+    last, n, J, W, dW = bands[0], ZERO, 1.0, ZERO, ZERO
     for i in range(len(bands)):
         band = bands[i]
         if i == 0:
-            turn = first_turn(band, vector(muscle.reference_normal, 0))
+            W = first_turn(band, vector(muscle.reference_normal, 0))
         else:
-            turn = next_turn(turn, last, n, J, band)
+            W, dW = next_turn(W, dW, J, n, last, band)
         n = mix(c, band.A, s, band.B)
-        n = times(1.0 / sqrt(max(dot(n, n), 1e-300)), n)
-        plane = plane_at(band, c, s)
-        last, J = band, plane.J
-        states[i] = state_at(band, plane, i == held)
-        if states[i] == WRAPPED:
-            w = wrap(band.D, band.a, band.tP, band.tS, band.R, plane.d, plane.b)
-            lengths[i] = band.tP + w.r * w.arc + band.tS
-            g, dg, shared[i] = pull(band, HM, n, plane, turn)
-            Lpsi, Lpsi2 = length_by_plane(w, plane.d, plane.b)
-            Ett += Lpsi2 * J * J + Lpsi * plane.dJ
+        n = times(1.0 / norm(n), n)
+        plane = plane_at(band.section, c, s)
+        d, b, J, dJ = plane
+        state = state_at(band.section, d, b, i == held)
+        if state == WRAPPED:
+            lengths[i], Lpsi, Lpsi2, g, dg = pull(band, HM, n, plane, W, dW)
+            shared[i] = Lpsi * J
+            Ett += Lpsi2 * J * J + Lpsi * dJ
             Etw = plus(Etw, dg)
         else:
-            lengths[i] = band.D
+            lengths[i] = band.section.D
             g = cross(band.S, band.u)
         if i == held:
-            follow = edge_follows(band, HM, n, plane, turn)
+            follow = edge_follows(band, HM, n, plane, W)
+        states[i] = state
         moments[3 * i], moments[3 * i + 1], moments[3 * i + 2] = g
+        last = band
     if held < 0 and Ett > 0.0:
         follow = times(-1.0 / Ett, Etw)
     for i in range(len(bands)):

@@ -8,7 +8,9 @@ the rotation of the right shoulder at the same anatomical angles.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
@@ -17,19 +19,35 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .band import CLEAR, INSIDE, MISSED, WRAPPED, wrap
-from .compiled import COMPILED, compiled
-from .linked_planes import Band, Constants, bands_at, plane_at, solve_theta
+from .band import CLEAR, INSIDE, MISSED, WRAPPED
+from .compiled import COMPILED
+from .kernels import (
+    NO_PLANE,
+    NOT_FINITE,
+    NOT_ORTHONORMAL,
+    ORTHONORMAL,
+    REFLECTION,
+    SOLVED,
+    draw,
+    solve_poses,
+)
+from .linked_planes import Constants
 from .model import BroadMuscle
-from .moment_vectors import muscle_state
-from .vectors import Vector
 
 Floats = npt.NDArray[np.float64]
 
 SIDES = ('right', 'left')
 MIRROR = np.array([-1.0, 1.0, 1.0])  # x -> -x: points and other true vectors
 TURN_MIRROR = -MIRROR  # rotations and moments keep x and change y and z
-ORTHONORMAL = 1e-6  # how far R^T R may be from the identity
+PARALLEL_FROM = 512  # poses: below this, threads cost more than they give
+
+FAULTS = {
+    NOT_FINITE: 'a value is not finite; finite numbers expected',
+    NOT_ORTHONORMAL: f'R^T R is not the identity within {ORTHONORMAL:g}; a rotation expected',
+    REFLECTION: 'its determinant is -1, a reflection; a proper rotation expected',
+    NO_PLANE: 'band {} has no plane or no sphere frame at this pose: the normal before it runs '
+    'along its line, or HM lies in line with its origin and SC',
+}
 
 
 class WrapState(IntEnum):
@@ -39,24 +57,6 @@ class WrapState(IntEnum):
     CLEAR = CLEAR  # straight: its plane cuts the sphere, the line keeps off it
     MISSED = MISSED  # straight: its plane does not reach the sphere
     INSIDE = INSIDE  # straight for want of a path: an end lies inside the sphere
-
-
-@compiled
-def solve_pose(
-    muscle: Constants,
-    rotation: tuple[Vector, Vector, Vector],
-    neutral: float,
-    lengths: Any,
-    moments: Any,
-    states: Any,
-) -> tuple[float, int]:
-    """Fill in the state of one pose; return theta and the number of bands that have a plane."""
-    bands = bands_at(muscle, rotation)
-    if len(bands) < len(muscle.radii):
-        return 0.0, len(bands)
-    theta, held = solve_theta(bands, neutral)
-    muscle_state(muscle, rotation, bands, theta, held, lengths, moments, states)
-    return theta, len(bands)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,20 +86,22 @@ class MuscleState:
         return float(self.lengths.sum())
 
     @cached_property
-    def bands(self) -> list[Band]:
-        """The posed bands in the frame of the right shoulder (SI units)."""
-        return self.solver.bands(self.rotation)
-
-    @property
-    def sphere_centres(self) -> Floats:
-        """(n, 3) obstacle sphere centres, m, scapula frame."""
-        offsets = np.array([band.p for band in self.bands])
-        return self.solver.mirrored(self.solver.muscle.origins + offsets)
+    def _posed(self) -> tuple[Floats, Floats, Floats]:
+        return self.solver.drawn(self, 2)
 
     @property
     def insertions(self) -> Floats:
         """(n, 3) insertions, m, scapula frame."""
-        return self.solver.mirrored(np.array([band.S for band in self.bands]))
+        return self._posed[0]
+
+    @property
+    def sphere_centres(self) -> Floats:
+        """(n, 3) obstacle sphere centres, m, scapula frame."""
+        return self._posed[1]
+
+    def moved(self, points: Floats) -> Floats:
+        """Return points (..., 3) of the right humerus, m, at this pose: m, scapula frame."""
+        return self.solver._mirrored(points @ self.rotation.T)
 
     def paths(self, points: int = 16) -> list[Floats]:
         """Return each band's path as a polyline: n arrays (k, 3), m, scapula frame.
@@ -109,32 +111,14 @@ class MuscleState:
         """
         if points < 2:
             raise ValueError(f'points: {points} given, at least 2 needed (the transition points)')
-        c, s = float(np.cos(self.theta)), float(np.sin(self.theta))
-        drawn = []
-        for P, band, state in zip(
-            self.solver.muscle.origins, self.bands, self.wrap, strict=True
-        ):
-            ends = np.array([P, band.S])
-            arc = np.empty((0, 3))
-            if state == WRAPPED:
-                arc = P + wrapped_arc(band, c, s, points)
-            drawn.append(self.solver.mirrored(np.vstack([ends[:1], arc, ends[1:]])))
-        return drawn
-
-
-def wrapped_arc(band: Band, c: float, s: float, points: int) -> Floats:
-    """Return (points, 3) points from Q to T on a wrapped band's circle, m, from its origin P."""
-    normal = np.multiply(band.A, c) + np.multiply(band.B, s)
-    normal /= np.linalg.norm(normal)
-    u = np.array(band.u)
-    e = np.cross(u, normal)
-    plane = plane_at(band, c, s)
-    w = wrap(band.D, band.a, band.tP, band.tS, band.R, plane.d, plane.b)
-    # the direction from the centre to a transition point is t1 turned by a right angle to e
-    turn = np.arctan2(w.t1u, -w.t1e) - np.linspace(0.0, w.arc, points)
-    circle = np.outer(np.cos(turn), u) + np.outer(np.sin(turn), e)
-    centre = np.array(band.p) - plane.d * normal
-    return np.asarray(centre + w.r * circle)
+        insertions, _, arcs = self.solver.drawn(self, points)
+        origins = self.solver.origins
+        return [
+            np.concatenate((origins[i : i + 1], arcs[i], insertions[i : i + 1]))
+            if state == WRAPPED
+            else np.array((origins[i], insertions[i]))
+            for i, state in enumerate(self.wrap.tolist())
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,18 +158,24 @@ class LinkedPlaneSolver:
     """Solves a broad muscle at a pose; the answer is a function of the pose alone."""
 
     def __init__(self, muscle: BroadMuscle, side: str = 'right') -> None:
-        """Prepare a muscle for one side of the body; ValueError for any other side."""
+        """Prepare a muscle for one side of the body; ValueError for any other side.
+
+        Where numba is installed this compiles the solver, or loads it from numba's cache.
+        """
         if side not in SIDES:
             raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
         self.muscle = muscle
         self.side = side
         self._constants = constants(muscle)
         self._neutral = 0.0
-        self._neutral = self.solve(np.eye(3)).theta
+        neutral = self.solve(np.eye(3))
+        neutral.paths()
+        self._neutral = neutral.theta
 
-    def mirrored(self, points: Floats) -> Floats:
-        """Return right-shoulder points (..., 3) as points of this solver's side."""
-        return points * MIRROR if self.side == 'left' else points
+    @property
+    def origins(self) -> Floats:
+        """(n, 3) origins, m, scapula frame."""
+        return self._mirrored(self.muscle.origins)
 
     def solve(self, rotation: npt.ArrayLike) -> MuscleState:
         """Solve one pose, a (3, 3) rotation humerus -> scapula (right-shoulder form).
@@ -193,46 +183,77 @@ class LinkedPlaneSolver:
         Raises ValueError for anything but a proper, finite rotation, and where a band's plane is
         undefined at that pose.
         """
-        matrix = proper_rotations(rotation, 2)
-        return self._solved(matrix[np.newaxis], 'rotation')[0]
+        matrix = numbers(rotation)
+        if matrix.shape != (3, 3):
+            raise ValueError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
+        return self._solved(matrix.reshape(1, 3, 3).copy(), 'rotation')[0]
 
     def solve_batch(self, rotations: npt.ArrayLike) -> MuscleStates:
         """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""
-        return self._solved(proper_rotations(rotations, 3), 'rotations[{}]')
+        matrices = numbers(rotations)
+        if matrices.size == 0:
+            matrices = np.empty((0, 3, 3))
+        if matrices.ndim != 3 or matrices.shape[1:] != (3, 3):
+            raise ValueError(f'rotations: shape {matrices.shape} given, (m, 3, 3) expected')
+        return self._solved(matrices, 'rotations[{}]')
 
     def _solved(self, rotations: Floats, name: str) -> MuscleStates:
         m, n = len(rotations), len(self.muscle.band_names)
         theta = np.empty(m)
         lengths = np.empty((m, n))
-        moments = np.empty((m, 3 * n))
-        states = np.empty((m, n), dtype=np.uint8)
-        for k, rows in enumerate(rotations.tolist()):
-            row = row_buffers(lengths[k], moments[k], states[k])
-            theta[k], placed = solve_pose(
-                self._constants, tuple(map(tuple, rows)), self._neutral, *row
-            )
-            if placed < n:
-                raise ValueError(
-                    f'{name.format(k)}: band {self.muscle.band_names[placed]} has no plane or no '
-                    'sphere frame at this pose: the normal before it runs along its line, or HM '
-                    'lies in line with its origin and SC'
-                )
-            if not COMPILED:
-                lengths[k], moments[k], states[k] = row
-        moment_vectors = moments.reshape(m, n, 3)
+        moments = np.empty((m, n, 3))
+        wrap = np.empty((m, n), dtype=np.uint8)
+        k, fault, band = self._run(rotations, theta, lengths, moments.reshape(m, 3 * n), wrap)
+        if fault != SOLVED:
+            reason = FAULTS[fault].format(self.muscle.band_names[band])
+            raise ValueError(f'{name.format(k)}: {reason}')
         if self.side == 'left':
-            moment_vectors *= TURN_MIRROR
-        return MuscleStates(theta, lengths, moment_vectors, states, rotations, self)
+            moments *= TURN_MIRROR
+        return MuscleStates(theta, lengths, moments, wrap, rotations, self)
 
-    def bands(self, rotation: Floats) -> list[Band]:
-        """Return the muscle's bands posed by a (3, 3) rotation, in the right shoulder's frame."""
-        rows = tuple(map(tuple, rotation.tolist()))
-        return list(bands_at(self._constants, rows))  # type: ignore[arg-type]
+    def _run(self, rotations: Floats, *filled: npt.NDArray[Any]) -> tuple[int, int, int]:
+        """Run the kernel: in threads if that pays; on lists, which are quicker, if uncompiled."""
+        m = len(rotations)
+        given = self._constants, self._neutral
+        if not COMPILED:
+            lists = [array.tolist() for array in filled]
+            answer = solve_poses(*given, rotations.tolist(), 0, m, *lists)
+            for array, values in zip(filled, lists, strict=True):
+                array[:] = np.array(values, dtype=array.dtype).reshape(array.shape)
+            return answer
+        threads = available_cores() if m >= PARALLEL_FROM else 1
+        if threads == 1:
+            return solve_poses(*given, rotations, 0, m, *filled)
+        bounds = [m * i // threads for i in range(threads + 1)]
+        with ThreadPoolExecutor(threads) as pool:
+            answers = pool.map(
+                lambda start, stop: solve_poses(*given, rotations, start, stop, *filled),
+                bounds[:-1],
+                bounds[1:],
+            )
+        return next((answer for answer in answers if answer[1] != SOLVED), (m, SOLVED, 0))
+
+    def drawn(self, state: MuscleState, points: int) -> tuple[Floats, Floats, Floats]:
+        """Return insertions (n, 3), sphere centres (n, 3), arcs (n, points, 3): m, scapula frame.
+
+        The arcs of bands that are not wrapped are zero.
+        """
+        n = len(self.muscle.band_names)
+        insertions, centres, arcs = np.empty((n, 3)), np.empty((n, 3)), np.zeros((n, points, 3))
+        draw(
+            self._constants, state.rotation, state.theta, state.wrap, insertions, centres, arcs
+        )
+        return self._mirrored(insertions), self._mirrored(centres), self._mirrored(arcs)
+
+    def _mirrored(self, points: Floats) -> Floats:
+        return points * MIRROR if self.side == 'left' else points
 
 
-def row_buffers(*rows: npt.NDArray[Any]) -> tuple[Any, ...]:
-    """Return what the kernel writes to: the rows themselves compiled, quicker lists if not."""
-    return rows if COMPILED else tuple(row.tolist() for row in rows)
+def available_cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, 'sched_getaffinity'):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def constants(muscle: BroadMuscle) -> Constants:
@@ -242,7 +263,8 @@ def constants(muscle: BroadMuscle) -> Constants:
         muscle.insertions,
         muscle.sphere_centres,
         muscle.sphere_radii,
-        muscle.plane_angles,
+        np.cos(muscle.plane_angles),
+        np.sin(muscle.plane_angles),
         muscle.reference_normal,
         muscle.ground_point,
         muscle.humeral_point,
@@ -251,26 +273,9 @@ def constants(muscle: BroadMuscle) -> Constants:
     return Constants(*flat if COMPILED else [field.tolist() for field in flat])  # type: ignore
 
 
-def proper_rotations(rotations: npt.ArrayLike, dimensions: int) -> Floats:
-    """Return (3, 3) or (m, 3, 3) rotations as an array; ValueError for anything else."""
-    expected = '(3, 3)' if dimensions == 2 else '(m, 3, 3)'
+def numbers(values: npt.ArrayLike) -> Floats:
+    """Return values as a contiguous array of floats; ValueError for anything else."""
     try:
-        array = np.array(rotations, dtype=np.float64)
+        return np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f'rotation: not an array of numbers; {expected} expected') from None
-    if array.size == 0 and dimensions == 3:
-        return np.empty((0, 3, 3))
-    if array.ndim != dimensions or array.shape[-2:] != (3, 3):
-        raise ValueError(f'rotation: shape {array.shape} given, {expected} expected')
-    if not np.isfinite(array).all():
-        raise ValueError(f'rotation: a value is not finite; {expected} finite numbers expected')
-    product = array.swapaxes(-1, -2) @ array
-    off = float(np.abs(product - np.eye(3)).max())
-    if off > ORTHONORMAL:
-        raise ValueError(
-            f'rotation: R^T R differs from the identity by {off:.3g}; a rotation matrix expected '
-            f'(within {ORTHONORMAL:g})'
-        )
-    if (np.linalg.det(array) < 0.0).any():
-        raise ValueError('rotation: determinant -1 (a reflection); a proper rotation expected')
-    return array
+        raise ValueError('rotation: not an array of numbers; (3, 3) or (m, 3, 3) expected') from None

@@ -1,0 +1,55 @@
+# Needs only CPython 3.10 to 3.13 with venv, make and PyPI. All goes into .venv and build.
+
+PYTHON ?= python3
+BIN := .venv/bin
+COLCON := $(BIN)/colcon --log-base build/colcon/log
+SPACES := --build-base build/colcon/build --install-base build/colcon/install
+
+# The environment is complete in itself: a sourced ROS, or another environment, stays out of it.
+ifdef AMENT_PREFIX_PATH
+unexport LD_LIBRARY_PATH
+endif
+unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
+unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+.PHONY: help demo test check workspace clean
+
+help:  ## list the targets
+	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
+
+demo: .venv/.made  ## run the node on recorded motion and show its topics
+	@$(BIN)/demo
+
+test: .venv/.made check workspace  ## run all checks and tests
+	$(BIN)/python -m pytest -m 'not workspace'
+
+# NumPy for Python 3.10 has other, looser types.
+OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))
+
+check: .venv/.made  ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/python -c '$(OLD_NUMPY)' || $(BIN)/mypy
+
+# colcon test runs only what has to be seen from a built workspace (executables, installed files);
+# the other tests would find the same sources a second time.
+workspace: .venv/.made  ## build the package with colcon and test what it installs
+	rm -rf build/colcon
+	$(COLCON) build --paths . $(SPACES) --event-handlers console_direct- console_cohesion-
+	$(COLCON) test --paths . $(SPACES) --event-handlers console_direct+ \
+	  --pytest-args -m workspace test/test_packaging.py
+	$(COLCON) test-result --test-result-base build/colcon/build --verbose
+
+clean:  ## remove all that make has made
+	rm -rf .venv build .mypy_cache .pytest_cache .ruff_cache .hypothesis *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+SUITABLE := import sys, ensurepip, venv; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))
+
+.venv/.made: setup.py
+	@$(PYTHON) -c '$(SUITABLE)' 2>/dev/null || { echo "make: $(PYTHON)" \
+	  "is not a CPython 3.10 to 3.13 with venv; name one with make PYTHON=..." >&2; exit 1; }
+	$(PYTHON) -m venv --clear .venv
+	touch .venv/COLCON_IGNORE
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
+	touch $@

@@ -1,0 +1,196 @@
+"""The command `linkedplane`: look at a model, solve a pose, play a recording.
+
+Exit status: 0 done, 1 the input is at fault (one line on stderr says what and where), 2 usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from . import __version__
+from .conventions import JOINT_CONVENTIONS
+from .model import BroadMuscle
+from .solver import SIDES, LinkedPlaneSolver, WrapState
+
+
+def info(args: argparse.Namespace) -> None:
+    """Print a muscle model."""
+    muscle = BroadMuscle.load(args.muscle)
+    state = LinkedPlaneSolver(muscle).solve(np.eye(3))
+    print(f'{muscle.name}: {len(muscle.band_names)} bands, {len(muscle.heads)} heads')
+    print(muscle.source)
+    print('right shoulder; x lateral, y anterior, z superior; lengths in mm, angles in rad')
+    print()
+    print(f'{"band":<14}{"head":<12}{"origin (scapula)":>24}{"insertion (humerus)":>24}'
+          f'{"radius":>8}{"phi":>8}{"length":>8}  wrap')  # fmt: skip
+    for i, band in enumerate(muscle.band_names):
+        origin, insertion = (
+            ' '.join(f'{1e3 * x:7.1f}' for x in point[i])
+            for point in (muscle.origins, muscle.insertions)
+        )
+        phi = 'theta' if i == 0 else f'{muscle.plane_angles[i]:.3f}'
+        print(f'{band:<14}{muscle.head_of(band):<12}{origin:>24}{insertion:>24}'
+              f'{1e3 * muscle.sphere_radii[i]:8.1f}{phi:>8}{1e3 * state.lengths[i]:8.1f}'
+              f'  {WrapState(state.wrap[i]).name.lower()}')  # fmt: skip
+    print()
+    print(f'arm at the side: theta {state.theta:.6f} rad, total {1e3 * state.total_length:.3f} mm')
+    for head in muscle.heads:
+        print(f'{head.name}: {", ".join(head.bands)}; represented by {head.represented_by}')
+
+
+def solve(args: argparse.Namespace) -> None:
+    """Print the muscle at one pose."""
+    convention = JOINT_CONVENTIONS[args.convention]
+    angles = np.array(args.angles) * (math.pi / 180.0 if args.degrees else 1.0)
+    if not args.degrees and np.abs(angles).max() > 2.0 * math.pi:
+        raise ValueError(f'{np.abs(angles).max():g} rad is more than a full turn; --degrees?')
+    solver = LinkedPlaneSolver(BroadMuscle.load(args.muscle), args.side)
+    state = solver.solve(convention.rotation(angles))
+    arms = state.moment_vectors @ convention.axes(angles, args.side)
+    names = solver.muscle.band_names
+    if args.json:
+        answer = {
+            'muscle': solver.muscle.name,
+            'side': args.side,
+            'convention': convention.name,
+            'coordinates': convention.coordinates,
+            'angles_rad': angles.tolist(),
+            'theta_rad': state.theta,
+            'bands': names,
+            'lengths_m': state.lengths.tolist(),
+            'moment_arms_m': arms.tolist(),
+            'moment_vectors_m': state.moment_vectors.tolist(),
+            'wrap': [WrapState(w).name for w in state.wrap],
+        }
+        print(json.dumps(answer, indent=2))
+        return
+    pose = ', '.join(
+        f'{name} {math.degrees(angle):.2f} deg'
+        for name, angle in zip(convention.coordinates, angles, strict=True)
+    )
+    print(f'{solver.muscle.name}, {args.side} shoulder, humerus against scapula: {pose}')
+    print(f'{convention.name}: {convention.formula}')
+    print('moment arms: positive where shortening turns the joint in the positive direction')
+    print()
+    columns = ''.join(f'{name[:20]:>21}' for name in convention.coordinates)
+    print(f'{"band":<14}{"length":>10}{columns}  wrap')
+    print(f'{"":<14}{"mm":>10}' + f'{"mm":>21}' * 3)
+    for name, length, arm, wrap in zip(names, state.lengths, arms, state.wrap, strict=True):
+        row = ''.join(f'{1e3 * value:21.3f}' for value in arm)
+        print(f'{name:<14}{1e3 * length:10.3f}{row}  {WrapState(wrap).name.lower()}')
+    print(f'\ntotal {1e3 * state.total_length:.3f} mm, theta {state.theta:.6f} rad')
+
+
+def play(args: argparse.Namespace) -> None:
+    """Play a recording's joint states."""
+    from .recordings import Recording
+
+    recording = Recording.open(args.bag)
+    length = 1e-9 * (recording.end - recording.start)
+    if args.start_offset > length:
+        raise ValueError(
+            f'--start-offset: {args.start_offset:g} s given, the recording lasts {length:.1f} s'
+        )
+    from . import ros_environment
+
+    ros_environment.prepare()
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    from .play import Pace
+    from .play import play as play_recording
+
+    pace = Pace(args.rate, args.loop, args.start_offset, args.clock or 0.0, args.wait)
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        print(
+            f'{recording.path}: {recording.count} joint states on {", ".join(recording.topics)}, '
+            f'{length:.1f} s, at {args.rate:g} times its speed',
+            flush=True,
+        )
+        count = play_recording(recording, pace)
+        print(f'{count} joint states published')
+    finally:
+        rclpy.try_shutdown()
+
+
+def positive(text: str) -> float:
+    """Return a number above zero, for argparse."""
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f'{text} given, a number > 0 expected')
+    return value
+
+
+def not_negative(text: str) -> float:
+    """Return a finite number of zero or more, for argparse."""
+    value = float(text)
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f'{text} given, a number >= 0 expected')
+    return value
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line's parser."""
+    top = argparse.ArgumentParser(
+        prog='linkedplane', description='Muscle paths by linked-plane obstacle sets.'
+    )
+    top.add_argument('--version', action='version', version=__version__)
+    commands = top.add_subparsers(title='commands', required=True, metavar='COMMAND')
+
+    def command(name: str, run: Callable[[argparse.Namespace], None]) -> argparse.ArgumentParser:
+        made = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
+        made.set_defaults(run=run)
+        return made
+
+    one = command('info', info)
+    one.add_argument('muscle', nargs='?', default='deltoid', metavar='MUSCLE',
+                     help='a bundled model or a .yaml file (default: deltoid)')  # fmt: skip
+
+    one = command('solve', solve)
+    one.add_argument('--convention', choices=tuple(JOINT_CONVENTIONS), required=True,
+                     help='what the angles mean')  # fmt: skip
+    one.add_argument('angles', nargs=3, type=float, metavar=('A', 'B', 'C'),
+                     help="the convention's three angles, rad")  # fmt: skip
+    one.add_argument('--degrees', action='store_true', help='the angles are in degrees')
+    one.add_argument('--side', choices=SIDES, default='right')
+    one.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
+    one.add_argument('--json', action='store_true', help='print JSON, in m and rad')
+
+    one = command('play', play)
+    one.add_argument('bag', metavar='BAG', help='a rosbag2: folder, .mcap or .db3 file')
+    one.add_argument('--rate', type=positive, default=1.0, help='times its own speed')
+    one.add_argument('--loop', action='store_true', help='start anew at the end, until interrupted')
+    one.add_argument('--clock', type=positive, nargs='?', const=40.0, metavar='HZ',
+                     help='publish the recorded time on /clock (default 40 Hz)')  # fmt: skip
+    one.add_argument('--start-offset', type=not_negative, default=0.0, metavar='S',
+                     help='begin S seconds into the recording')  # fmt: skip
+    one.add_argument('--wait', type=not_negative, default=10.0, metavar='S',
+                     help='wait for a subscriber, S seconds at most (default 10)')  # fmt: skip
+    return top
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
+    options = parser().parse_args(args)
+    try:
+        options.run(options)
+    except ValueError as error:
+        print(f'linkedplane: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

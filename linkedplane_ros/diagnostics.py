@@ -1,0 +1,91 @@
+"""What the node tells of itself on /diagnostics, once a second."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from .joint_input import REASONS
+from .solver import MuscleState, WrapState
+
+TIMED = 2000  # callbacks that the timing figures look back on
+STALE_AFTER = 1.0  # s without input
+
+
+@dataclass
+class Tally:
+    """Counts and times of the messages so far."""
+
+    received: int = 0
+    answered: int = 0
+    rejected: Counter[str] = field(default_factory=Counter)
+    last_line: str = ''
+    solve_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
+    callback_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
+    last_arrival: float | None = None
+    last_state: MuscleState | None = None
+    rejected_before: int = 0
+
+    def level(self, now: float) -> tuple[bytes, str]:
+        """Return the level and its line: rejected input warns, no input is stale."""
+        rejected = sum(self.rejected.values())
+        fresh, self.rejected_before = rejected - self.rejected_before, rejected
+        if self.last_arrival is None:
+            return DiagnosticStatus.STALE, 'no joint states received yet'
+        age = now - self.last_arrival
+        if age > STALE_AFTER:
+            return DiagnosticStatus.STALE, f'no joint states for {age:.1f} s'
+        if not self.answered:
+            return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_line}'
+        if fresh:
+            return DiagnosticStatus.WARN, f'{fresh} rejected in the last second: {self.last_line}'
+        return DiagnosticStatus.OK, 'answering'
+
+
+def milliseconds(times: deque[float]) -> dict[str, str]:
+    """Return mean, 99th percentile and worst of times (s) as text in ms."""
+    if not times:
+        return {name: 'none' for name in ('mean', 'p99', 'worst')}
+    values = np.array(times) * 1e3
+    figures = values.mean(), np.percentile(values, 99), values.max()
+    return {
+        name: f'{value:.3f}'
+        for name, value in zip(('mean', 'p99', 'worst'), figures, strict=True)
+    }
+
+
+def diagnostics(
+    tally: Tally, name: str, hardware_id: str, stamp: Time, now: float, facts: Mapping[str, str]
+) -> DiagnosticArray:
+    """Return the node's status. `now`, on the clock of the tally's times, in s."""
+    level, line = tally.level(now)
+    values = dict(facts)
+    values['messages received'] = str(tally.received)
+    values['messages answered'] = str(tally.answered)
+    for reason in REASONS:
+        values[f'rejected: {reason}'] = str(tally.rejected[reason])
+    for kind, times in (('solve', tally.solve_times), ('callback', tally.callback_times)):
+        for figure, text in milliseconds(times).items():
+            values[f'{kind} time {figure} (ms)'] = text
+    age = 'none' if tally.last_arrival is None else f'{now - tally.last_arrival:.3f}'
+    values['input age (s)'] = age
+    if tally.last_state is not None:
+        values['theta (rad)'] = f'{tally.last_state.theta:.6f}'
+        for wrap in WrapState:
+            count = int((tally.last_state.wrap == wrap).sum())
+            values[f'bands {wrap.name.lower()}'] = str(count)
+    status = DiagnosticStatus(
+        level=level,
+        name=name,
+        message=line,
+        hardware_id=hardware_id,
+        values=[KeyValue(key=key, value=value) for key, value in values.items()],
+    )
+    array = DiagnosticArray(status=[status])
+    array.header.stamp = stamp
+    return array

@@ -1,0 +1,197 @@
+"""The node's parameters: one table for declaration, descriptors, validation and the README."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterValueException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from .conventions import JOINT_CONVENTIONS, JointConvention
+from .joint_input import JointMap
+from .model import BroadMuscle
+from .solver import SIDES, LinkedPlaneSolver
+
+Value = str | bool | int | float | list[str] | list[float]
+
+
+@dataclass(frozen=True)
+class ParameterSpec:
+    """One parameter; its type is that of its default."""
+
+    name: str
+    default: Value
+    meaning: str
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> Parameter.Type:
+        """The ROS type of the parameter."""
+        if isinstance(self.default, list):
+            strings = self.name == 'joint_names'
+            return Parameter.Type.STRING_ARRAY if strings else Parameter.Type.DOUBLE_ARRAY
+        return Parameter.Type.from_parameter_value(self.default)
+
+    def descriptor(self) -> ParameterDescriptor:
+        """Return what `ros2 param describe` shows. Whole numbers for a double are let through."""
+        descriptor = ParameterDescriptor(
+            name=self.name,
+            type=self.kind.value,
+            description=self.meaning,
+            dynamic_typing=True,
+            additional_constraints=f'one of: {", ".join(self.choices)}' if self.choices else '',
+        )
+        if self.low is not None and self.high is not None:
+            if isinstance(self.default, int):
+                descriptor.integer_range = [
+                    IntegerRange(from_value=int(self.low), to_value=int(self.high), step=1)
+                ]
+            else:
+                descriptor.floating_point_range = [
+                    FloatingPointRange(from_value=self.low, to_value=self.high, step=0.0)
+                ]
+        return descriptor
+
+    def checked(self, value: Any) -> Value:
+        """Return the value as the parameter's type; ValueError names what would be right."""
+        if isinstance(self.default, list):
+            return self._checked_list(value)
+        if isinstance(self.default, bool) or isinstance(self.default, str):
+            if type(value) is not type(self.default):
+                word = 'true or false' if isinstance(self.default, bool) else 'text'
+                raise self._fault(value, word)
+            if self.choices and value not in self.choices:
+                raise self._fault(value, f'one of {", ".join(self.choices)}')
+            return value  # type: ignore[no-any-return]
+        whole = isinstance(self.default, int)
+        if not finite_number(value) or (whole and not isinstance(value, int)):
+            raise self._fault(value, 'a whole number' if whole else 'a finite number, as 30.0')
+        if self.low is not None and self.high is not None and not self.low <= value <= self.high:
+            raise self._fault(value, f'{self.low:g} to {self.high:g}')
+        return int(value) if whole else float(value)
+
+    def _checked_list(self, value: Any) -> Value:
+        strings = self.kind is Parameter.Type.STRING_ARRAY
+        items = list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+        if strings:
+            if items in ([], ['']):
+                return []
+            if len(items) != 3 or not all(isinstance(item, str) and item for item in items):
+                raise self._fault(value, '3 joint names')
+            if len(set(items)) < 3:
+                raise self._fault(value, '3 different joints')
+            return items
+        if len(items) != 3 or not all(finite_number(item) for item in items):
+            raise self._fault(value, '3 finite numbers')
+        return [float(item) for item in items]
+
+    def _fault(self, value: Any, right: str) -> ValueError:
+        given = list(value) if isinstance(value, Sequence) and not isinstance(value, str) else value
+        return ValueError(f'parameter {self.name}: {given!r} given, {right} expected')
+
+
+def finite_number(value: Any) -> bool:
+    """Return whether a value is a number that can be used."""
+    return (
+        isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    )
+
+
+SPECS = (
+    ParameterSpec(
+        'muscle', 'deltoid', 'A bundled model, or the path of a model file (.yaml).'
+    ),
+    ParameterSpec('side', 'right', "The shoulder's side of the body.", choices=SIDES),
+    ParameterSpec(
+        'joint_convention',
+        'flexion_abduction_rotation',
+        'What the three angles mean: humerus against scapula, right-shoulder axes x lateral, '
+        'y anterior, z superior.',
+        choices=tuple(JOINT_CONVENTIONS),
+    ),
+    ParameterSpec(
+        'joint_names',
+        [],
+        "The three joints in the convention's order; empty: named as its coordinates.",
+    ),
+    ParameterSpec(
+        'joint_signs', [1.0, 1.0, 1.0], 'angle = sign * position + offset: the three signs, +-1.'
+    ),
+    ParameterSpec(
+        'joint_offsets', [0.0, 0.0, 0.0], 'angle = sign * position + offset: three offsets, rad.'
+    ),
+    ParameterSpec('frame_id', 'scapula', 'The frame of the outputs.'),
+    ParameterSpec('markers.enabled', True, 'Publish markers.'),
+    ParameterSpec(
+        'markers.rate',
+        30.0,
+        "Markers a second at most, Hz, by the input's stamps; 0: with every message.",
+        0.0,
+        10000.0,
+    ),
+    ParameterSpec(
+        'markers.points', 16, 'Points drawn on the arc of a wrapped band.', 2, 1000
+    ),
+)
+
+NAMES = tuple(spec.name for spec in SPECS)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All parameters, checked and turned into what the node works with."""
+
+    solver: LinkedPlaneSolver
+    convention: JointConvention
+    joints: JointMap
+    frame_id: str
+    markers_enabled: bool
+    markers_rate: float
+    markers_points: int
+
+    @staticmethod
+    def from_values(values: Mapping[str, Any]) -> Settings:
+        """Build the settings of a whole set of parameters; ValueError names what is wrong."""
+        checked: dict[str, Any] = {spec.name: spec.checked(values[spec.name]) for spec in SPECS}
+        convention = JOINT_CONVENTIONS[checked['joint_convention']]
+        if any(abs(sign) != 1.0 for sign in checked['joint_signs']):
+            raise ValueError(
+                f'parameter joint_signs: {checked["joint_signs"]} given, 1.0 or -1.0 expected'
+            )
+        if not checked['frame_id']:
+            raise ValueError("parameter frame_id: '' given, the name of a frame expected")
+        muscle = BroadMuscle.load(checked['muscle'])
+        return Settings(
+            solver=LinkedPlaneSolver(muscle, checked['side']),
+            convention=convention,
+            joints=JointMap(
+                tuple(checked['joint_names']) or convention.coordinates,
+                tuple(checked['joint_signs']),
+                tuple(checked['joint_offsets']),
+            ),
+            frame_id=checked['frame_id'],
+            markers_enabled=checked['markers.enabled'],
+            markers_rate=checked['markers.rate'],
+            markers_points=checked['markers.points'],
+        )
+
+
+def declare(node: Node) -> Settings:
+    """Declare every parameter on a node and return the settings; ValueError as from_values."""
+    values = {}
+    for spec in SPECS:
+        try:
+            values[spec.name] = node.declare_parameter(
+                spec.name, spec.default, spec.descriptor()
+            ).value
+        except InvalidParameterValueException as error:
+            spec.checked(error.value)
+            raise ValueError(f'parameter {spec.name}: {error.value!r}: {error.reason}') from None
+    return Settings.from_values(values)

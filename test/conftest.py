@@ -1,0 +1,81 @@
+"""What all tests share: a ROS domain of this process's own, the recordings, a clean /dev/shm."""
+
+import fcntl
+import os
+import re
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+import pytest
+
+SHARED_MEMORY = Path('/dev/shm')
+SEGMENT = re.compile(r'fastrtps_[0-9a-f]{16}')  # Fast DDS; each has a lock file beside it, .._el
+
+
+def lock(path: Path, mode: str) -> IO[str] | None:
+    """Return the file, locked until it is closed; None if another process has it."""
+    try:
+        file = path.open(mode)
+    except OSError:
+        return None
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        return None
+    return file
+
+
+def own_domain() -> tuple[int, IO[str]]:
+    """Return a ROS domain that no other test process of this machine has, and what holds it."""
+    for step in range(101):
+        domain = 1 + (os.getpid() + step) % 101  # 0 is everyone's default; above 101 ports collide
+        file = lock(Path(tempfile.gettempdir(), f'linkedplane_ros_domain_{domain}.lock'), 'a')
+        if file is not None:
+            return domain, file
+    raise pytest.UsageError('all 101 ROS domains are taken by other test runs on this machine')
+
+
+# Before any test module imports rclpy:
+DOMAIN, DOMAIN_LOCK = own_domain()
+LOGS = tempfile.TemporaryDirectory(prefix='linkedplane_ros_log_')
+os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
+os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
+os.environ['ROS_LOG_DIR'] = LOGS.name
+
+
+@pytest.fixture(scope='session')
+def shared() -> Path:
+    """Return the folder of recordings, golden values and literature beside the repository."""
+    folder = Path(__file__).resolve().parents[2] / 'shared'
+    if not folder.is_dir():
+        pytest.skip('../shared is not there: no recordings, golden values or literature')
+    return folder
+
+
+def segments() -> set[Path]:
+    """Return Fast DDS's shared-memory segments on this machine."""
+    if not SHARED_MEMORY.is_dir():
+        return set()
+    return {path for path in SHARED_MEMORY.iterdir() if SEGMENT.fullmatch(path.name)}
+
+
+@pytest.fixture(scope='session', autouse=True)
+def no_segments_of_killed_processes() -> Iterator[None]:
+    """Remove the segments of processes that the tests killed.
+
+    As `fastdds shm clean` tells: a process holds its segment's lock as long as it lives, and the
+    system drops the lock when it dies. A segment is made after its lock is taken.
+    """
+    before = segments()
+    yield
+    for segment in segments() - before:
+        path = segment.with_name(segment.name + '_el')
+        file = lock(path, 'r')
+        if file is not None:
+            segment.unlink(missing_ok=True)
+            path.unlink(missing_ok=True)
+            file.close()

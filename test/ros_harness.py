@@ -1,0 +1,124 @@
+"""A node in a process of its own, and a peer that feeds it and reads its topics."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
+from visualization_msgs.msg import MarkerArray
+
+TOPICS = {
+    'band_lengths': Float64MultiArray,
+    'moment_arms': Float64MultiArray,
+    'band_states': JointState,
+    'wrap_states': UInt8MultiArray,
+    'markers': MarkerArray,
+}
+ANSWERS = tuple(topic for topic in TOPICS if topic != 'markers')
+PATIENCE = 60.0  # s: the longest that anything is waited for; nothing is asserted about time
+
+
+class NodeProcess:
+    """The muscle node as users run it, with parameters; its stderr is kept."""
+
+    def __init__(self, log: Path, *arguments: str, **parameters: Any) -> None:
+        """Start it; what it writes goes to the log."""
+        given = [part for item in parameters.items() for part in ('-p', '{}:={}'.format(*item))]
+        command = [sys.executable, '-m', 'linkedplane_ros.node', '--ros-args', *arguments, *given]
+        self.log = log
+        compiled = {key: v for key, v in os.environ.items() if key != 'LINKEDPLANE_COMPILE'}
+        with log.open('wb') as out:
+            self.process = subprocess.Popen(command, stdout=out, stderr=out, env=compiled)
+
+    def stop(self, how: signal.Signals = signal.SIGINT) -> int:
+        """End it and return its exit status."""
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        return self.process.wait(PATIENCE)
+
+    @property
+    def text(self) -> str:
+        """All that it has written."""
+        return self.log.read_text()
+
+
+class Peer(Node):
+    """Publishes joint states and keeps every message that the muscle node publishes."""
+
+    def __init__(self, prefix: str = 'deltoid', context: Any = None) -> None:
+        """Subscribe everything, deep enough to lose nothing."""
+        super().__init__('test_peer', context=context)
+        qos = QoSProfile(depth=20000)
+        self.got: dict[str, list[Any]] = {topic: [] for topic in TOPICS}
+        self.diagnostics: list[DiagnosticArray] = []
+        self.publisher = self.create_publisher(JointState, 'joint_states', qos)
+        self.readers = [
+            self.create_subscription(kind, f'{prefix}/{topic}', self.got[topic].append, qos)
+            for topic, kind in TOPICS.items()
+        ]
+        self.executor_of_its_own = SingleThreadedExecutor(context=context)
+        self.executor_of_its_own.add_node(self)
+        self.create_subscription(DiagnosticArray, '/diagnostics', self.diagnostics.append, qos)
+
+    def until(self, condition: Callable[[], bool], seconds: float = PATIENCE) -> bool:
+        """Read messages until the condition holds; return whether it did in time."""
+        deadline = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > deadline:
+                return False
+            self.executor_of_its_own.spin_once(timeout_sec=0.02)
+        return True
+
+    def connect(self, node: NodeProcess | None = None) -> None:
+        """Wait until the node has found this peer, both ways."""
+
+        def found() -> bool:
+            if node is not None and node.process.poll() is not None:
+                raise AssertionError(f'the node ended: {node.text}')
+            return self.publisher.get_subscription_count() > 0 and all(
+                reader.get_publisher_count() for reader in self.readers
+            )
+
+        assert self.until(found), node.text if node else 'no node'
+        self.until(lambda: False, 0.3)  # the node matches the readers as they have matched it
+
+    def send(
+        self,
+        names: Sequence[str],
+        positions: Sequence[float],
+        velocities: Sequence[float] = (),
+        nanoseconds: int = 0,
+    ) -> JointState:
+        """Publish one joint state."""
+        message = JointState(
+            name=list(names), position=list(positions), velocity=list(velocities)
+        )
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(nanoseconds, 10**9)
+        self.publisher.publish(message)
+        return message
+
+    def answers(self, count: int, seconds: float = PATIENCE) -> bool:
+        """Wait for so many answers on every topic; return whether they came."""
+        return self.until(
+            lambda: all(len(self.got[topic]) >= count for topic in ANSWERS), seconds
+        )
+
+    def counts(self) -> dict[str, int]:
+        """How many answers have come on each topic."""
+        return {topic: len(self.got[topic]) for topic in ANSWERS}
+
+    def values(self) -> dict[str, str]:
+        """The newest diagnostics of the muscle node."""
+        return {item.key: item.value for item in self.diagnostics[-1].status[0].values}
