@@ -54,7 +54,11 @@ def surface(marker: Marker) -> list[np.ndarray]:
     around = np.linspace(0, 2 * np.pi, 33)
     if marker.type == Marker.SPHERE:
         down = np.linspace(0, np.pi, 17)[:, None]
-        unit = np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), np.cos(down) + 0 * around
+        unit = (
+            np.sin(down) * np.cos(around),
+            np.sin(down) * np.sin(around),
+            np.cos(down) + 0 * around,
+        )
     else:
         height = np.array([[-1.0], [1.0]])
         unit = np.cos(around) + 0 * height, np.sin(around) + 0 * height, height + 0 * around

@@ -19,7 +19,8 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 
 LEFT_AXES = np.array([[1.0], [-1.0], [-1.0]])  # axes of rotation mirrored, x -> -x
-SINGULAR = 1e-9  # below this sine the first and third turn are about one axis
+SINGULAR = 1e-14  # below this sine the first and third turn are about one axis
+TOLERANCE = 1e-6  # how far R^T R of a rotation may be from the identity
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,9 @@ class JointConvention:
             raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
         return second @ turn(e3, m3), columns
 
+    def _unmixed(self, turns: Floats) -> Floats:
+        return np.asarray(np.linalg.solve(self._mix, turns), dtype=np.float64)
+
     @cached_property
     def _units(self) -> list[Floats]:
         return [unit(axis) for axis in self.sequence]
@@ -85,9 +89,7 @@ class JointConvention:
         their sum is defined: the first is then 0. ValueError where no angles give the rotation
         (possible for opensim_tsm alone, near the arm at the side).
         """
-        R = np.asarray(rotation, dtype=np.float64)
-        if R.shape != (3, 3) or not np.isfinite(R).all():
-            raise ValueError(f'rotation: shape {R.shape} given, (3, 3) finite numbers expected')
+        R = proper(rotation)
         e1, e2, e3 = self._units
         # R^T e1 = R3^T R2^T e1, and R2^T e1 keeps its component along e2: one equation for m3
         w = R.T @ e1
@@ -95,17 +97,19 @@ class JointConvention:
         constant = e2 @ along - e2 @ e1
         cosine, sine = e2 @ (w - along), e2 @ np.cross(e3, w)
         swing = np.hypot(cosine, sine)
-        if abs(constant) > swing + SINGULAR:
+        if abs(constant) > swing + 1e-9:
             raise ValueError(
                 f'rotation: no {self.name} angles give it; its axes reach all rotations but those '
                 f'within {np.degrees(np.arcsin(abs(e2 @ e3))):.1f} deg of the arm at the side'
             )
         if swing < SINGULAR:
-            return np.linalg.solve(self._mix, self._at_singularity(R))
+            return self._unmixed(self._at_singularity(R))
         middle_of = np.arctan2(sine, cosine)
         half = np.arccos(np.clip(-constant / swing, -1.0, 1.0))
-        found = [self._from_third(R, w, m3) for m3 in (middle_of + half, middle_of - half)]
-        return np.linalg.solve(self._mix, min(found, key=self._outside))
+        found = [
+            self._from_third(R, w, m3) for m3 in (float(middle_of + half), float(middle_of - half))
+        ]
+        return self._unmixed(min(found, key=self._outside))
 
     def sine_of_singularity(self, angles: npt.ArrayLike) -> float:
         """Return the sine of the angle between the first and the third turn's axis; 0: singular."""
@@ -124,6 +128,8 @@ class JointConvention:
     def _at_singularity(self, R: Floats) -> Floats:
         e1, e2, e3 = self._units
         m2 = -angle_about(e2, e1, R.T @ e1)
+        low, high = self.middle
+        m2 = min(max(m2 if m2 > low - 1.0 else m2 + 2.0 * np.pi, low), high)
         return np.array([0.0, m2, angle_about(e3, e2, turn(e2, m2).T @ R @ e2)])
 
     def _outside(self, turns: Floats) -> tuple[float, float]:
@@ -134,10 +140,26 @@ class JointConvention:
 
 def three(angles: npt.ArrayLike) -> Floats:
     """Return three finite angles (3,), rad; ValueError for anything else."""
-    array = np.asarray(angles, dtype=np.float64)
+    try:
+        array = np.asarray(angles, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise ValueError(f'angles: {angles!r} given, 3 finite numbers in rad expected')
     return array
+
+
+def proper(rotation: npt.ArrayLike) -> Floats:
+    """Return a proper rotation (3, 3) as an array; ValueError for anything else."""
+    try:
+        R = np.asarray(rotation, dtype=np.float64)
+    except (TypeError, ValueError):
+        R = np.empty(0)
+    if R.shape != (3, 3) or not np.isfinite(R).all():
+        raise ValueError(f'rotation: shape {R.shape} given, (3, 3) finite numbers expected')
+    if np.abs(R.T @ R - np.eye(3)).max() > TOLERANCE or np.linalg.det(R) < 0.0:
+        raise ValueError('rotation: R^T R = 1 and a determinant of 1 expected of a (3, 3) rotation')
+    return R
 
 
 def unit(axis: npt.ArrayLike) -> Floats:

@@ -1,4 +1,4 @@
-"""The demonstration: the node as its own process, fed over DDS from a recording, its topics read."""
+"""The demonstration: the node in a process of its own, fed over DDS from a recording."""
 
 from __future__ import annotations
 
@@ -49,9 +49,7 @@ class Listener(Node):
         self._listening = [self.create_subscription(JointState, 'joint_states', self._input, qos)]
         for topic, kind in {**ANSWERS, 'markers': MarkerArray}.items():
             self._listening.append(
-                self.create_subscription(
-                    kind, f'{muscle.name}/{topic}', self._counter(topic), qos
-                )
+                self.create_subscription(kind, f'{muscle.name}/{topic}', self._counter(topic), qos)
             )
 
     def connected(self) -> bool:

@@ -50,12 +50,11 @@ class Tally:
 def milliseconds(times: deque[float]) -> dict[str, str]:
     """Return mean, 99th percentile and worst of times (s) as text in ms."""
     if not times:
-        return {name: 'none' for name in ('mean', 'p99', 'worst')}
+        return dict.fromkeys(('mean', 'p99', 'worst'), 'none')
     values = np.array(times) * 1e3
     figures = values.mean(), np.percentile(values, 99), values.max()
     return {
-        name: f'{value:.3f}'
-        for name, value in zip(('mean', 'p99', 'worst'), figures, strict=True)
+        name: f'{value:.3f}' for name, value in zip(('mean', 'p99', 'worst'), figures, strict=True)
     }
 
 

@@ -60,7 +60,7 @@ def make_solve_poses(sources: str) -> Callable[..., tuple[int, int, int]]:
         Returns the first pose that has none, why (NOT_FINITE ...), and for NO_PLANE which band; or
         stop, SOLVED and 0.
         """
-        sources  # noqa: B018: closed over, see compiled.fingerprint
+        _ = sources  # closed over, see compiled.fingerprint
         for k in range(start, stop):
             rotation = rows_of(rotations[k])
             fault = rotation_fault(rotation)
@@ -71,9 +71,7 @@ def make_solve_poses(sources: str) -> Callable[..., tuple[int, int, int]]:
                 return k, NO_PLANE, len(bands)
             theta, held = solve_theta(bands, neutral)
             thetas[k] = theta
-            muscle_state(
-                muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k]
-            )
+            muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k])
         return stop, SOLVED, 0
 
     return solve_poses
@@ -97,7 +95,7 @@ def make_draw(sources: str) -> Callable[..., None]:
         An arc runs from the first transition point Q to the second, T; a straight band's is left
         as it was.
         """
-        sources  # noqa: B018: closed over, see compiled.fingerprint
+        _ = sources  # closed over, see compiled.fingerprint
         bands = bands_at(muscle, rows_of(rotation))
         c, s = cos(theta), sin(theta)
         for i in range(len(bands)):

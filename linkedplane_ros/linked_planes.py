@@ -22,8 +22,9 @@ from .compiled import compiled
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
 
 LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of its square
-SCAN_STEP = 1.0  # rad: between samples of dE/dtheta where bands pull apart
-CIRCLE_STEPS = 96  # samples of a whole circle, where there is nothing better
+EVEN = 2.0  # a plane's fastest turn with theta over its slowest, up to which it turns evenly
+EDGE = 1e-9  # rad: as near as E is looked at beside a jump
+EVEN_STEPS, CIRCLE_STEPS = 24, 360  # samples of a circle: pierced bands that turn evenly; others
 
 
 class Constants(NamedTuple):
@@ -163,9 +164,7 @@ def state_at(section: Section, d: float, b: float, held: bool) -> int:
 
 
 @compiled
-def energy(
-    bands: list[Band], theta: float, pierced: bool, held: int
-) -> tuple[float, float, float]:
+def energy(bands: list[Band], theta: float, pierced: bool, held: int) -> tuple[float, float, float]:
     """Return E (m), dE/dtheta and d2E/dtheta2.
 
     `pierced` takes the bands that pierce their spheres for all there is; `held` is the band at the
@@ -231,26 +230,6 @@ def descend(bands: list[Band], low: float, start: float, high: float, pierced: b
 
 
 @compiled
-def valley(bands: list[Band], low: float, guess: float, high: float) -> float:
-    """Return the theta between low and high at which the pierced bands are shortest."""
-    steps = max(1, int(ceil((high - low) / SCAN_STEP)))
-    best, theta = inf, guess
-    left, falling = low, True
-    for k in range(1, steps + 1):
-        right = low + (high - low) * k / steps
-        was_falling = falling
-        falling = k < steps and energy(bands, right, True, -1)[1] < 0.0
-        if was_falling and not falling:
-            start = guess if left < guess < right else 0.5 * (left + right)
-            bottom = descend(bands, left, start, right, True)
-            E = energy(bands, bottom, True, -1)[0] if steps > 1 else 0.0
-            if E < best:
-                best, theta = E, bottom
-        left = right
-    return theta
-
-
-@compiled
 def slackest(section: Section) -> tuple[float, float]:
     """Return (cos, sin) of the theta at which a pierced band is shortest: d = 0, b < 0."""
     c, s = section.dB, -section.dA
@@ -276,7 +255,7 @@ def least(bands: list[Band], theta: float, held: int, best: tuple[float, float, 
 @compiled
 def edges(band: Section) -> list[float]:
     """Return the thetas at which a band starts or ceases to touch the sphere that it passes."""
-    found = []
+    found: list[float] = []
     if band.kind != BESIDE:
         return found
     # |d| = R: a quadratic form in (cos, sin), solved by the double angle
@@ -304,7 +283,8 @@ def search_circle(bands: list[Band], neutral: float) -> tuple[float, int]:
     """Return the theta of least length on the whole circle, and the band at its sphere's edge.
 
     Between the edges E is smooth: each stretch is searched for the places where dE/dtheta rises
-    through zero; the edges themselves are candidates, for there E jumps.
+    through zero; the edges themselves are candidates, for there E jumps. The stretches are short
+    where E bends sharply: at an edge, and about the shortest plane of a band that turns fast.
     """
     nodes = [neutral]
     best = (energy(bands, neutral, False, -1)[0], neutral, -1)
@@ -312,18 +292,27 @@ def search_circle(bands: list[Band], neutral: float) -> tuple[float, int]:
         section = bands[i].section
         if section.kind == PIERCED:
             c, s = slackest(section)
-            nodes.append(atan2(s, c))
+            shortest = atan2(s, c)
+            nodes.append(shortest)
+            away = 0.2 / unevenness(section)
+            while away < 2.0 * pi / CIRCLE_STEPS:
+                nodes.append(wrapped_angle(shortest - away))
+                nodes.append(wrapped_angle(shortest + away))
+                away *= 2.0
         for theta in edges(section):
-            nodes.append(theta)
+            away = EDGE
+            while away < 2.0 * pi / CIRCLE_STEPS:
+                nodes.append(wrapped_angle(theta - away))
+                nodes.append(wrapped_angle(theta + away))
+                away *= 4.0
             best = least(bands, theta, i, best, neutral)
     for k in range(CIRCLE_STEPS):
         nodes.append(-pi + 2.0 * pi * k / CIRCLE_STEPS)
     nodes.sort()
     nodes.append(nodes[0] + 2.0 * pi)
-    inset = 1e-9
     for k in range(len(nodes) - 1):
-        low, high = nodes[k] + inset, nodes[k + 1] - inset
-        if low >= high:
+        low, high = nodes[k], nodes[k + 1]
+        if high - low <= 3.0 * EDGE:
             continue
         if energy(bands, low, False, -1)[1] < 0.0 <= energy(bands, high, False, -1)[1]:
             theta = descend(bands, low, 0.5 * (low + high), high, False)
@@ -351,16 +340,61 @@ def settle(bands: list[Band], neutral: float) -> tuple[float, int]:
 
 
 @compiled
+def unevenness(section: Section) -> float:
+    """Return how much faster a band's plane turns with theta at its fastest than at its slowest."""
+    mean = 0.5 * (section.AA + section.BB)
+    swing = hypot(0.5 * (section.AA - section.BB), section.AB)
+    return (mean + swing) / max(mean - swing, 1e-12)
+
+
+@compiled
+def turn_evenly(bands: list[Band]) -> bool:
+    """Return whether the planes of all pierced bands turn about evenly with theta."""
+    for i in range(len(bands)):
+        if bands[i].section.kind == PIERCED and unevenness(bands[i].section) > EVEN:
+            return False
+    return True
+
+
+@compiled
+def near_side(bands: list[Band], theta: float) -> bool:
+    """Return whether every pierced band's plane is within 90 deg of its shortest: b < 0."""
+    c, s = cos(theta), sin(theta)
+    for i in range(len(bands)):
+        section = bands[i].section
+        if section.kind == PIERCED and section.bA * c + section.bB * s >= 0.0:
+            return False
+    return True
+
+
+@compiled
+def search_pierced(bands: list[Band], steps: int) -> float:
+    """Return the theta on the whole circle at which pierced, evenly turning bands are shortest."""
+    best, theta = inf, 0.0
+    left = -pi
+    falling = energy(bands, left, True, -1)[1] < 0.0
+    for k in range(1, steps + 1):
+        right = -pi + 2.0 * pi * k / steps
+        was_falling, falling = falling, energy(bands, right, True, -1)[1] < 0.0
+        if was_falling and not falling:
+            floor = descend(bands, left, 0.5 * (left + right), right, True)
+            E = energy(bands, floor, True, -1)[0]
+            if E < best:
+                best, theta = E, floor
+        left = right
+    return theta
+
+
+@compiled
 def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
     """Return the theta (rad, in (-pi, pi]) that makes the muscle shortest (App. D).
 
     The second answer is the band that this theta keeps at the edge of its sphere, or -1.
 
-    A function of the pose alone. Each pierced band by itself is shortest with its plane through its
-    sphere's centre and lengthens steadily up to the opposite plane; so where these angles lie
-    within half a circle, the minimum over the pierced bands lies between them. If all other bands
-    are straight there, nothing is shorter; if not, the whole circle is searched. Where no band is
-    pierced the muscle may be straight over a range of theta: the one nearest `neutral` is taken.
+    A function of the pose alone. Where the pierced bands are together at their shortest and all
+    other bands are straight, nothing is shorter; if others are not, the whole circle is searched.
+    Where no band is pierced the muscle may be straight over a range of theta: the one nearest
+    `neutral` is taken.
     """
     pierced = 0
     cosine, sine = 0.0, 0.0
@@ -387,9 +421,15 @@ def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
             c, s = slackest(section)
             away = atan2(s * cosine - c * sine, c * cosine + s * sine)
             low, high = min(low, away), max(high, away)
-    if not high - low < pi:
+    low, high = guess + low, guess + high
+    # a pierced band is convex in its plane's turn up to 90 deg from its shortest, and longer beyond
+    # than on the near side: with planes that turn evenly the sum has one valley
+    if not turn_evenly(bands):
         return search_circle(bands, neutral)
-    theta = valley(bands, guess + low, guess, guess + high)
+    if high - low < pi and near_side(bands, low) and near_side(bands, high):
+        theta = descend(bands, low, guess, high, True)
+    else:
+        theta = search_pierced(bands, EVEN_STEPS)
     if not others_straight(bands, theta, -1):
         return search_circle(bands, neutral)
     return wrapped_angle(theta), -1

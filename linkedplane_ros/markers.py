@@ -61,9 +61,13 @@ class MuscleMarkers:
         self._pool = [[Point() for _ in range(points + 2)] for _ in range(n)]
         self._spheres = [
             self._marker(
-                'obstacle_spheres', i, Marker.SPHERE, colours[i],
-                (2.0 * radius,) * 3, alpha=0.12,
-            )  # fmt: skip
+                'obstacle_spheres',
+                i,
+                Marker.SPHERE,
+                colours[i],
+                (2.0 * radius,) * 3,
+                alpha=0.12,
+            )
             for i, radius in enumerate(muscle.sphere_radii.tolist())
         ]
         self._attachments = [

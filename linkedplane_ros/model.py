@@ -87,8 +87,10 @@ class BroadMuscle:
             )
         try:
             content = path.read_text(encoding='utf-8')
-        except (OSError, UnicodeDecodeError) as error:
-            reason = error.strerror if isinstance(error, OSError) else 'not UTF-8 text'
+        except UnicodeDecodeError:
+            raise ModelError(f'{path}: cannot be read: not UTF-8 text') from None
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
             raise ModelError(f'{path}: cannot be read: {reason}') from None
         return _read(text, content)
 
@@ -107,9 +109,24 @@ def bundled_models() -> dict[str, str]:
     }
 
 
+class UniqueKeys(yaml.SafeLoader):
+    """YAML in which no key of a mapping may stand twice."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return the mapping; a YAML error at the second of two like keys."""
+        keys = set()
+        for key_node, _ in node.value:
+            key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
+            if key in keys:
+                problem = f'the key {key!r} stands twice'
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
+            keys.add(key)
+        return super().construct_mapping(node, deep)
+
+
 def _read(file: str, text: str) -> BroadMuscle:
     try:
-        content = yaml.safe_load(text)
+        content = yaml.load(text, UniqueKeys)
     except yaml.YAMLError as error:
         mark = getattr(error, 'problem_mark', None)
         line = f' at line {mark.line + 1}' if mark else ''
@@ -135,7 +152,8 @@ class Section:
 
     def key(self, key: str) -> str:
         """Return the full, dotted name of a key."""
-        return f'{self.path}.{key}' if self.path else key
+        shown = key if key.isprintable() else repr(key)
+        return f'{self.path}.{shown}' if self.path else shown
 
     def allow(self, required: Iterable[str], optional: Iterable[str] = ()) -> None:
         """Refuse missing and unknown keys."""
@@ -171,7 +189,7 @@ class Section:
     def choice(self, key: str, factors: Mapping[str, float]) -> float:
         """Return the factor that a unit's name stands for."""
         value = self.content[key]
-        if value not in factors:
+        if not isinstance(value, str) or value not in factors:
             raise self.fault(key, f'{value!r} given, one of {", ".join(factors)} expected')
         return factors[value]
 
@@ -190,7 +208,10 @@ class Section:
 
     def polynomial(self, key: str, s: Floats) -> Floats:
         """Return the polynomial under a key (highest power first) at each s."""
-        return np.asarray(np.polyval(self.numbers(key), s), dtype=np.float64)
+        values = np.asarray(np.polyval(self.numbers(key), s), dtype=np.float64)
+        if not np.isfinite(values).all():
+            raise self.fault(key, 'the polynomial is not finite over s')
+        return values
 
     def curve(self, key: str, s: Floats) -> Floats:
         """Return the (n, 3) points of the x, y and z polynomials under a key."""
@@ -202,15 +223,20 @@ class Section:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             hint = '; write 1.0e-3, not 1e-3' if isinstance(value, str) and 'e' in value else ''
             raise self.fault(key, f'a number expected, {value!r} given{hint}')
-        if not math.isfinite(value):
-            raise self.fault(key, f'a finite number expected, {value} given')
-        return float(value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self.fault(key, f'a finite number expected, {number} given')
+        return number
 
 
 def _kind(value: Any) -> str:
     if value is None:
         return 'nothing'
-    return {dict: 'a mapping', list: 'a list', str: 'text'}.get(type(value), repr(value))
+    kinds: dict[Any, str] = {dict: 'a mapping', list: 'a list', str: 'text'}
+    return kinds.get(type(value), repr(value))
 
 
 def _muscle(file: Section) -> BroadMuscle:
@@ -223,7 +249,7 @@ def _muscle(file: Section) -> BroadMuscle:
     )  # fmt: skip
     if file.text('format') != FORMAT:
         raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')
-    if file.content['version'] != VERSION:
+    if file.content['version'] is not VERSION:
         raise file.fault('version', f'{file.content["version"]!r} given, {VERSION} expected')
     units = file.section('units')
     units.allow(('length', 'angle'))

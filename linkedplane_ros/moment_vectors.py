@@ -62,16 +62,14 @@ def pull(
     band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
     dW: Vector,
 ) -> tuple[float, float, float, Vector, Vector]:  # fmt: skip
-    """Return a wrapped band's L (m), dL/dpsi, d2L/dpsi2 and, at a fixed theta, dL/domega, its prime.
+    """Return a wrapped band's L (m), dL/dpsi, d2L/dpsi2 and, at fixed theta, dL/domega, its prime.
 
     dL = t2.dS + (t1 - t2).dC - (arc d / r) n.dC + d ((t1 - t2).u + arc a / r) n.du + dL/dpsi dpsi
     (spec section 4, with dc = dC - dd n - d dn and dd = dC.n + (C - P).dn)
     """
     d, b, J, _ = plane
     section, u, e = band.section, band.u, cross(band.u, n)
-    r, arc, t1u, t1e, t2u, t2e = wrap(
-        section.D, section.a, section.tP, section.tS, section.R, d, b
-    )
+    r, arc, t1u, t1e, t2u, t2e = wrap(section.D, section.a, section.tP, section.tS, section.R, d, b)
     Lpsi, Lpsi2 = length_by_plane(d, b, r, arc, t1u, t1e, t2u, t2e)
     k = 1.0 / r
     dd, dr = J * b, -J * d * b * k

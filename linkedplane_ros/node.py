@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from threading import Timer
 from time import perf_counter
@@ -81,7 +82,7 @@ class MuscleStatePublisher(Node):
         muscle = settings.solver.muscle
         self._memory = JointMemory(settings.joints)
         self._markers = MuscleMarkers(muscle, settings.frame_id, settings.markers_points)
-        self._last_markers: float | None = None
+        self._last_markers = -math.inf
         bands = ('band', muscle.band_names)
         self._bands_layout = layout(bands)
         self._arms_layout = layout(bands, ('coordinate', settings.convention.coordinates))
@@ -159,9 +160,7 @@ class MuscleStatePublisher(Node):
         lengths_out, arms_out, states_out, wrap_out, markers_out = self._outputs
         lengths_out.publish(float_array(self._bands_layout, state.lengths))
         arms_out.publish(float_array(self._arms_layout, arms))
-        states_out.publish(
-            band_states(stamp, settings.frame_id, names, state.lengths, lengthening)
-        )
+        states_out.publish(band_states(stamp, settings.frame_id, names, state.lengths, lengthening))
         wrap_out.publish(byte_array(self._bands_layout, state.wrap))
         if self._markers_due(stamp):
             if not self._cleared:
@@ -190,10 +189,9 @@ class MuscleStatePublisher(Node):
         if not settings.markers_enabled or not self._outputs[-1].get_subscription_count():
             return False
         now = stamp.sec + 1e-9 * stamp.nanosec or perf_counter()
-        last = self._last_markers
-        if settings.markers_rate > 0.0 and last is not None:
-            if 0.0 <= now - last < 1.0 / settings.markers_rate - 1e-6:
-                return False
+        passed = now - self._last_markers
+        if settings.markers_rate and 0.0 <= passed < 1.0 / settings.markers_rate - 1e-6:
+            return False
         self._last_markers = now
         return True
 

@@ -63,7 +63,7 @@ class ParameterSpec:
         """Return the value as the parameter's type; ValueError names what would be right."""
         if isinstance(self.default, list):
             return self._checked_list(value)
-        if isinstance(self.default, bool) or isinstance(self.default, str):
+        if isinstance(self.default, (bool, str)):
             if type(value) is not type(self.default):
                 word = 'true or false' if isinstance(self.default, bool) else 'text'
                 raise self._fault(value, word)
@@ -79,7 +79,9 @@ class ParameterSpec:
 
     def _checked_list(self, value: Any) -> Value:
         strings = self.kind is Parameter.Type.STRING_ARRAY
-        items = list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+        items = (
+            list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+        )
         if strings:
             if items in ([], ['']):
                 return []
@@ -99,15 +101,11 @@ class ParameterSpec:
 
 def finite_number(value: Any) -> bool:
     """Return whether a value is a number that can be used."""
-    return (
-        isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-    )
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 SPECS = (
-    ParameterSpec(
-        'muscle', 'deltoid', 'A bundled model, or the path of a model file (.yaml).'
-    ),
+    ParameterSpec('muscle', 'deltoid', 'A bundled model, or the path of a model file (.yaml).'),
     ParameterSpec('side', 'right', "The shoulder's side of the body.", choices=SIDES),
     ParameterSpec(
         'joint_convention',
@@ -136,9 +134,7 @@ SPECS = (
         0.0,
         10000.0,
     ),
-    ParameterSpec(
-        'markers.points', 16, 'Points drawn on the arc of a wrapped band.', 2, 1000
-    ),
+    ParameterSpec('markers.points', 16, 'Points drawn on the arc of a wrapped band.', 2, 1000),
 )
 
 NAMES = tuple(spec.name for spec in SPECS)

@@ -1,4 +1,4 @@
-"""Publish a recording's joint states at their recorded times, for installations without ros2 bag."""
+"""Publish a recording's joint states at their recorded times, where there is no ros2 bag."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import rclpy
 from builtin_interfaces.msg import Time
 from rclpy.duration import Duration
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock

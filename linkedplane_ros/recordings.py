@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 
@@ -41,7 +43,7 @@ class Recording:
     def open(path: str | Path) -> Recording:
         """Look into a bag (a folder, or an .mcap or .db3 file); RecordingError if it is no good."""
         path = Path(path)
-        with _reader(path) as reader:
+        with closing(opened(path)) as reader:
             found = [c for c in reader.connections if c.msgtype == JOINT_STATE]
             count = sum(c.msgcount for c in found)
             if not count:
@@ -53,39 +55,32 @@ class Recording:
     def messages(self, start_offset: float = 0.0) -> Iterator[Recorded]:
         """Return the JointStates in recorded order, from start_offset (s) on, one at a time."""
         begin = self.start + round(1e9 * start_offset)
-        with _reader(self.path) as reader:
+        with closing(opened(self.path)) as reader:
             wanted = [c for c in reader.connections if c.msgtype == JOINT_STATE]
             try:
                 for connection, time, data in reader.messages(wanted, start=begin):
                     yield Recorded(connection.topic, time, bytes(data))
-            except Exception as error:  # noqa: BLE001: a broken file breaks in many ways
+            except Exception as error:  # a broken file breaks in many ways
                 raise RecordingError(f'{self.path}: damaged: {error}') from None
 
 
-class _reader:  # noqa: N801: read as a function
-    """Open a rosbag2 for reading; every fault of the file is a RecordingError."""
-
-    def __init__(self, path: Path) -> None:
-        try:
-            from rosbags.highlevel import AnyReader
-            from rosbags.typesys import Stores, get_typestore
-        except ImportError:
-            raise RecordingError(
-                "reading a recording needs the rosbags library: pip install 'linkedplane_ros[tools]'"
-            ) from None
-        if not path.exists():
-            raise RecordingError(f'{path}: no such file or folder')
-        if path.suffix == '.bag':
-            raise RecordingError(f'{path}: a ROS 1 bag; convert it with rosbags-convert first')
-        try:
-            self._reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
-            self._reader.open()
-        except Exception as error:  # noqa: BLE001: a broken file breaks in many ways
-            text = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise RecordingError(f'{path}: not a readable rosbag2: {text}') from None
-
-    def __enter__(self):  # type: ignore[no-untyped-def]  # noqa: ANN204
-        return self._reader
-
-    def __exit__(self, *_: object) -> None:
-        self._reader.close()
+def opened(path: Path) -> Any:
+    """Return an open reader of a rosbag2; every fault of the file is a RecordingError."""
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise RecordingError(
+            "a recording needs the rosbags library: pip install 'linkedplane_ros[tools]'"
+        ) from None
+    if not path.exists():
+        raise RecordingError(f'{path}: no such file or folder')
+    if path.suffix == '.bag':
+        raise RecordingError(f'{path}: a ROS 1 bag; convert it with rosbags-convert first')
+    try:
+        reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
+        reader.open()
+    except Exception as error:  # a broken file breaks in many ways
+        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise RecordingError(f'{path}: not a readable rosbag2: {text}') from None
+    return reader

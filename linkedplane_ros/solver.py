@@ -183,15 +183,15 @@ class LinkedPlaneSolver:
         Raises ValueError for anything but a proper, finite rotation, and where a band's plane is
         undefined at that pose.
         """
-        matrix = numbers(rotation)
+        matrix = numbers('rotation', rotation, '(3, 3)')
         if matrix.shape != (3, 3):
             raise ValueError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
-        return self._solved(matrix.reshape(1, 3, 3).copy(), 'rotation')[0]
+        return self._solved(matrix.reshape(1, 3, 3), 'rotation')[0]
 
     def solve_batch(self, rotations: npt.ArrayLike) -> MuscleStates:
         """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""
-        matrices = numbers(rotations)
-        if matrices.size == 0:
+        matrices = numbers('rotations', rotations, '(m, 3, 3)')
+        if matrices.shape == (0,):
             matrices = np.empty((0, 3, 3))
         if matrices.ndim != 3 or matrices.shape[1:] != (3, 3):
             raise ValueError(f'rotations: shape {matrices.shape} given, (m, 3, 3) expected')
@@ -240,9 +240,7 @@ class LinkedPlaneSolver:
         """
         n = len(self.muscle.band_names)
         insertions, centres, arcs = np.empty((n, 3)), np.empty((n, 3)), np.zeros((n, points, 3))
-        draw(
-            self._constants, state.rotation, state.theta, state.wrap, insertions, centres, arcs
-        )
+        draw(self._constants, state.rotation, state.theta, state.wrap, insertions, centres, arcs)
         return self._mirrored(insertions), self._mirrored(centres), self._mirrored(arcs)
 
     def _mirrored(self, points: Floats) -> Floats:
@@ -270,12 +268,15 @@ def constants(muscle: BroadMuscle) -> Constants:
         muscle.humeral_point,
     )
     flat = [np.ascontiguousarray(field, dtype=np.float64).ravel() for field in fields]
-    return Constants(*flat if COMPILED else [field.tolist() for field in flat])  # type: ignore
+    return Constants(*flat if COMPILED else [field.tolist() for field in flat])
 
 
-def numbers(values: npt.ArrayLike) -> Floats:
-    """Return values as a contiguous array of floats; ValueError for anything else."""
+def numbers(name: str, values: npt.ArrayLike, expected: str) -> Floats:
+    """Return a copy of values as an array of floats; ValueError if they are no such thing."""
     try:
-        return np.ascontiguousarray(values, dtype=np.float64)
+        array = np.asarray(values)
+        if array.dtype.kind in 'fiu' or array.size == 0:
+            return np.array(array, dtype=np.float64, order='C')
     except (TypeError, ValueError):
-        raise ValueError('rotation: not an array of numbers; (3, 3) or (m, 3, 3) expected') from None
+        pass
+    raise ValueError(f'{name}: not an array of numbers; real ones, {expected} expected')

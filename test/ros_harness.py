@@ -102,18 +102,14 @@ class Peer(Node):
         nanoseconds: int = 0,
     ) -> JointState:
         """Publish one joint state."""
-        message = JointState(
-            name=list(names), position=list(positions), velocity=list(velocities)
-        )
+        message = JointState(name=list(names), position=list(positions), velocity=list(velocities))
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(nanoseconds, 10**9)
         self.publisher.publish(message)
         return message
 
     def answers(self, count: int, seconds: float = PATIENCE) -> bool:
         """Wait for so many answers on every topic; return whether they came."""
-        return self.until(
-            lambda: all(len(self.got[topic]) >= count for topic in ANSWERS), seconds
-        )
+        return self.until(lambda: all(len(self.got[topic]) >= count for topic in ANSWERS), seconds)
 
     def counts(self) -> dict[str, int]:
         """How many answers have come on each topic."""

@@ -54,8 +54,7 @@ def recorded(path: Path) -> list[JointState]:
     from rclpy.serialization import deserialize_message
 
     return [
-        deserialize_message(message.data, JointState)
-        for message in Recording.open(path).messages()
+        deserialize_message(message.data, JointState) for message in Recording.open(path).messages()
     ]
 
 
@@ -124,7 +123,7 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
 
 
 BAD = {
-    'no known joint': (('elbow', 'wrist'), (0.1, 0.2), 'no_joint', "elbow, wrist"),
+    'no known joint': (('elbow', 'wrist'), (0.1, 0.2), 'no_joint', 'elbow, wrist'),
     'sizes that differ': (NAMES, (0.1, 0.2), 'sizes', '3 names but 2 positions'),
     'nan': (NAMES, (0.1, math.nan, 0.2), 'not_finite', "'abduction' is nan"),
     'infinity': (NAMES, (0.1, 0.2, math.inf), 'not_finite', "'rotation' is inf"),
@@ -169,9 +168,7 @@ def test_joints_split_over_several_messages_are_answered_once_all_three_are_know
     check_answers(peer, whole, 'flexion_abduction_rotation')
 
 
-def test_joints_in_any_order_among_others_are_found_by_name(
-    node: NodeProcess, peer: Peer
-) -> None:
+def test_joints_in_any_order_among_others_are_found_by_name(node: NodeProcess, peer: Peer) -> None:
     names = ('elbow', 'rotation', 'wrist', 'abduction', 'flexion', 'thumb')
     message = peer.send(names, (math.nan, 0.1, 900.0, 0.2, 0.3, -math.inf))
     assert peer.answers(1)
