@@ -13,7 +13,7 @@ ros = [
     'ros-jazzy-rmw-fastrtps-cpp',
 ]
 fast = ['numba']
-tools = ['matplotlib', 'rosbags', 'scipy', 'tqdm']
+tools = ['matplotlib', 'rosbags']
 test = [
     'colcon-bash',
     'colcon-output',

@@ -123,7 +123,7 @@ def main() -> int:
     recording = Recording.open(sample_folder() / 'arm_raise')
     muscle = BroadMuscle.load('deltoid')
     run = [sys.executable, '-m']
-    node = subprocess.Popen([*run, 'linkedplane_ros.node'])
+    node = subprocess.Popen([*run, 'linkedplane_ros.executables'])
     player = None
     rclpy.init()
     listener = Listener(muscle)

@@ -1,11 +1,20 @@
 """The executables that need ROS: each makes sure that it can be imported, then runs."""
 
+import signal
+import sys
+
 from . import ros_environment
+
+
+def prepare() -> None:
+    """Make ROS importable; until it takes signals over itself, they end the process quietly."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    ros_environment.prepare()
 
 
 def muscle_state_publisher() -> None:
     """Run the node."""
-    ros_environment.prepare()
+    prepare()
     from .node import main
 
     main()
@@ -13,7 +22,12 @@ def muscle_state_publisher() -> None:
 
 def demo() -> int:
     """Run the demonstration."""
-    ros_environment.prepare()
+    prepare()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     from .demo import main
 
     return main()
+
+
+if __name__ == '__main__':
+    sys.exit(muscle_state_publisher())

@@ -12,8 +12,10 @@ import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException
+from rclpy.exceptions import InvalidHandle
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -219,21 +221,22 @@ class MuscleStatePublisher(Node):
 
 
 def main(args: list[str] | None = None) -> None:
-    """Run the node until it is interrupted."""
+    """Run the node until it is interrupted or terminated; either ends it with status 0."""
     rclpy.init(args=args)
     node = None
     try:
+        executor = SingleThreadedExecutor()  # now: making one fails noisily after a signal
         node = MuscleStatePublisher()
-        rclpy.spin(node)
+        executor.add_node(node)
+        executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ValueError as error:
         sys.exit(f'muscle_state_publisher: {error}')
+    except (RCLError, InvalidHandle):
+        if rclpy.ok():  # else the signal came in the middle of a call
+            raise
     finally:
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()
-
-
-if __name__ == '__main__':
-    main()

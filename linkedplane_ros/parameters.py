@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import yaml
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import InvalidParameterValueException
 from rclpy.node import Node
@@ -177,6 +178,17 @@ class Settings:
             markers_rate=checked['markers.rate'],
             markers_points=checked['markers.points'],
         )
+
+
+def markdown() -> str:
+    """Return the table of the parameters, as the README has it."""
+    lines = ['| name | default | meaning |', '| --- | --- | --- |']
+    for spec in SPECS:
+        limits = f' {spec.low:g} to {spec.high:g}.' if spec.low is not None else ''
+        choices = f' One of {", ".join(f"`{c}`" for c in spec.choices)}.' if spec.choices else ''
+        default = yaml.safe_dump(spec.default, default_flow_style=True).split('\n')[0]
+        lines.append(f'| `{spec.name}` | `{default}` | {spec.meaning}{limits}{choices} |')
+    return '\n'.join(lines)
 
 
 def declare(node: Node) -> Settings:

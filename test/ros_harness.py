@@ -36,7 +36,8 @@ class NodeProcess:
     def __init__(self, log: Path, *arguments: str, **parameters: Any) -> None:
         """Start it; what it writes goes to the log."""
         given = [part for item in parameters.items() for part in ('-p', '{}:={}'.format(*item))]
-        command = [sys.executable, '-m', 'linkedplane_ros.node', '--ros-args', *arguments, *given]
+        command = [sys.executable, '-m', 'linkedplane_ros.executables', '--ros-args']
+        command += [*arguments, *given]
         self.log = log
         compiled = {key: v for key, v in os.environ.items() if key != 'LINKEDPLANE_COMPILE'}
         with log.open('wb') as out:

@@ -101,7 +101,12 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
     shared: Path, tmp_path: Path, peer: Peer, bag: str, convention: str, names: tuple, rate: int
 ) -> None:
     path = shared / 'recordings' / bag
-    parameters = {'joint_convention': convention}
+    # as the README advises for a replay in which nothing may be lost
+    parameters = {
+        'joint_convention': convention,
+        'qos_overrides./joint_states.subscription.reliability': 'reliable',
+        'qos_overrides./joint_states.subscription.depth': 10000,
+    }
     if names:
         parameters['joint_names'] = f'[{",".join(names)}]'
     inputs = recorded(path)
