@@ -8,7 +8,15 @@ from typing import Any
 
 from .band import WRAPPED, wrap
 from .compiled import compiled, entry, fingerprint
-from .linked_planes import Constants, bands_at, plane_at, solve_theta
+from .linked_planes import (
+    ORIGIN,
+    Muscle,
+    band_count,
+    band_vector,
+    bands_at,
+    plane_at,
+    solve_theta,
+)
 from .moment_vectors import muscle_state
 from .vectors import Vector, cross, dot, mix, norm, plus, times
 
@@ -45,7 +53,7 @@ def make_solve_poses(sources: str) -> Callable[..., tuple[int, int, int]]:
 
     @entry
     def solve_poses(
-        muscle: Constants,
+        muscle: Muscle,
         neutral: float,
         rotations: Any,
         start: int,
@@ -67,7 +75,7 @@ def make_solve_poses(sources: str) -> Callable[..., tuple[int, int, int]]:
             if fault != SOLVED:
                 return k, fault, 0
             bands = bands_at(muscle, rotation)
-            if len(bands) < len(muscle.radii):
+            if len(bands) < band_count(muscle):
                 return k, NO_PLANE, len(bands)
             theta, held = solve_theta(bands, neutral)
             thetas[k] = theta
@@ -82,7 +90,7 @@ def make_draw(sources: str) -> Callable[..., None]:
 
     @entry
     def draw(
-        muscle: Constants,
+        muscle: Muscle,
         rotation: Any,
         theta: float,
         states: Any,
@@ -100,8 +108,7 @@ def make_draw(sources: str) -> Callable[..., None]:
         c, s = cos(theta), sin(theta)
         for i in range(len(bands)):
             band = bands[i]
-            P = (muscle.origins[3 * i], muscle.origins[3 * i + 1], muscle.origins[3 * i + 2])
-            C = plus(P, band.p)
+            C = plus(band_vector(muscle, i, ORIGIN), band.p)
             for axis in range(3):
                 insertions[i][axis] = band.S[axis]
                 centres[i][axis] = C[axis]

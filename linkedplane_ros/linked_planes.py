@@ -4,7 +4,7 @@ Left unnormalised, every band's plane normal is a fixed combination A cos(theta)
 two vectors that depend on the pose alone, so the chain of planes is built once per pose.
 """
 
-from math import acos, atan2, ceil, cos, hypot, inf, pi, sin, sqrt
+from math import acos, atan, atan2, ceil, cos, hypot, inf, pi, sin, sqrt
 from typing import NamedTuple
 
 from .band import (
@@ -21,24 +21,36 @@ from .band import (
 from .compiled import compiled
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
 
-LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of its square
+LAST_STEP = 1e-6  # rad: a Newton step this small leaves an error of about its square
 EVEN = 2.0  # a plane's fastest turn with theta over its slowest, up to which it turns evenly
 EDGE = 1e-9  # rad: as near as E is looked at beside a jump
-EVEN_STEPS, CIRCLE_STEPS = 24, 360  # samples of a circle: pierced bands that turn evenly; others
+EVEN_STEPS, CIRCLE_STEPS = 12, 360  # samples of a circle: pierced bands that turn evenly; others
 
 
-class Constants(NamedTuple):
-    """A muscle as the kernels read it: flat sequences, x y z of each band in turn, in m and rad."""
+# A muscle, as the kernels read it, is one flat sequence of vectors in m and rad: the reference
+# normal N, SC and HM; then four for each band: its origin P, its insertion S (humerus frame), its
+# sphere's centre (moving frame), and (sphere's radius, cos(phi), sin(phi)).
+NORMAL, GROUND_POINT, HUMERAL_POINT, FIRST_BAND = range(4)
+ORIGIN, INSERTION, CENTRE, RADIUS_AND_PHI, BAND_VECTORS = range(5)
+Muscle = list[float]
 
-    origins: list[float]  # ground frame
-    insertions: list[float]  # humerus frame
-    centres: list[float]  # each in its band's moving frame
-    radii: list[float]
-    plane_cosines: list[float]  # of phi; the first is not used
-    plane_sines: list[float]
-    reference_normal: list[float]  # N, ground frame
-    ground_point: list[float]  # SC, ground frame
-    humeral_point: list[float]  # HM, humerus frame
+
+@compiled
+def vector(muscle: Muscle, i: int) -> Vector:
+    """Return the i-th vector of a flat sequence."""
+    return (muscle[3 * i], muscle[3 * i + 1], muscle[3 * i + 2])
+
+
+@compiled
+def band_vector(muscle: Muscle, i: int, which: int) -> Vector:
+    """Return one of a band's four vectors: ORIGIN, INSERTION, CENTRE or RADIUS_AND_PHI."""
+    return vector(muscle, FIRST_BAND + BAND_VECTORS * i + which)
+
+
+@compiled
+def band_count(muscle: Muscle) -> int:
+    """Return the number of bands of a muscle."""
+    return (len(muscle) // 3 - FIRST_BAND) // BAND_VECTORS
 
 
 class Section(NamedTuple):
@@ -76,27 +88,21 @@ class Band(NamedTuple):
 
 
 @compiled
-def vector(flat: list[float], i: int) -> Vector:
-    """Return the i-th vector of a flat sequence."""
-    return (flat[3 * i], flat[3 * i + 1], flat[3 * i + 2])
-
-
-@compiled
-def bands_at(muscle: Constants, rotation: tuple[Vector, Vector, Vector]) -> list[Band]:
+def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Band]:
     """Pose the muscle: its bands and the chain of their planes, for a humerus -> scapula rotation.
 
     A band whose plane is undefined (its predecessor's normal runs along its line) or whose sphere's
     frame is (P, HM and SC in one line) ends the list before its time.
     """
-    SC = vector(muscle.ground_point, 0)
-    HM = turned(rotation, vector(muscle.humeral_point, 0))
-    A = vector(muscle.reference_normal, 0)
+    SC = vector(muscle, GROUND_POINT)
+    HM = turned(rotation, vector(muscle, HUMERAL_POINT))
+    A = vector(muscle, NORMAL)
     B = (0.0, 0.0, 0.0)
     bands = []
-    for i in range(len(muscle.radii)):
-        P = vector(muscle.origins, i)
-        S = turned(rotation, vector(muscle.insertions, i))
-        R = muscle.radii[i]
+    for i in range(band_count(muscle)):
+        P = band_vector(muscle, i, ORIGIN)
+        S = turned(rotation, band_vector(muscle, i, INSERTION))
+        R, cos_phi, sin_phi = band_vector(muscle, i, RADIUS_AND_PHI)
         D = norm(minus(S, P))
         u = times(1.0 / D, minus(S, P))
         # the sphere's moving frame (thesis ch. 5): x from P to HM, z across the plane with SC
@@ -110,7 +116,7 @@ def bands_at(muscle: Constants, rotation: tuple[Vector, Vector, Vector]) -> list
             break
         z = times(1.0 / across, cross(x, q))
         y = cross(z, x)
-        cx, cy, cz = vector(muscle.centres, i)
+        cx, cy, cz = band_vector(muscle, i, CENTRE)
         p = plus(times(cx, x), mix(cy, y, cz, z))
         a = dot(p, u)
         # distances from the line by the cross product: no cancellation
@@ -125,9 +131,8 @@ def bands_at(muscle: Constants, rotation: tuple[Vector, Vector, Vector]) -> list
         if i == 0:
             B = cross(u, A)
         else:
-            c, s = muscle.plane_cosines[i], muscle.plane_sines[i]
-            A = mix(c, A, s, cross(u, A))
-            B = mix(c, B, s, cross(u, B))
+            A = mix(cos_phi, A, sin_phi, cross(u, A))
+            B = mix(cos_phi, B, sin_phi, cross(u, B))
         size = sqrt(dot(A, A) + dot(B, B))
         if size < 1e-9:
             break
@@ -233,12 +238,24 @@ def descend(bands: list[Band], low: float, start: float, high: float, pierced: b
 def slackest(section: Section) -> tuple[float, float]:
     """Return (cos, sin) of the theta at which a pierced band is shortest: d = 0, b < 0."""
     c, s = section.dB, -section.dA
-    size = hypot(c, s)
+    size = sqrt(c * c + s * s)
     if size == 0.0:
         return 1.0, 0.0
-    if section.bA * c + section.bB * s > 0.0:
-        size = -size
-    return c / size, s / size
+    k = 1.0 / size if section.bA * c + section.bB * s <= 0.0 else -1.0 / size
+    return k * c, k * s
+
+
+@compiled
+def stiffness(section: Section, c: float, s: float) -> float:
+    """Return about d2L/dtheta2 of a pierced band at its shortest, given theta's cosine and sine.
+
+    There d2L/dpsi2 = -b (b arc / r + t1e - t2e) with r = R; for a short arc it is about t1e - t2e.
+    """
+    _, b, J, _ = plane_at(section, c, s)
+    R, over = section.R, section.D - section.a
+    t1e = (section.a * R + b * section.tP) / (section.a * section.a + b * b)
+    t2e = -(over * R + b * section.tS) / (over * over + b * b)
+    return -b * (1.0 + b / R) * (t1e - t2e) * J * J
 
 
 @compiled
@@ -396,37 +413,33 @@ def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
     Where no band is pierced the muscle may be straight over a range of theta: the one nearest
     `neutral` is taken.
     """
-    pierced = 0
+    # the guess: where springs as stiff as the pierced bands at their shortest would balance
     cosine, sine = 0.0, 0.0
     for i in range(len(bands)):
         section = bands[i].section
         if section.kind == PIERCED:
             c, s = slackest(section)
-            d, b, J, _ = plane_at(section, c, s)
-            r, arc, t1u, t1e, t2u, t2e = wrap(
-                section.D, section.a, section.tP, section.tS, section.R, d, b
-            )
-            _, ddL = length_by_plane(d, b, r, arc, t1u, t1e, t2u, t2e)
-            cosine += ddL * J * J * c
-            sine += ddL * J * J * s
-            pierced += 1
-    if not pierced:
+            weight = stiffness(section, c, s)
+            cosine += weight * c
+            sine += weight * s
+    if cosine == 0.0 and sine == 0.0:
         return settle(bands, neutral)
-    # the guess: where springs as stiff as the bands at their shortest would balance
+    if not turn_evenly(bands):
+        return search_circle(bands, neutral)
     guess = atan2(sine, cosine)
-    low, high = 0.0, 0.0
+    low, high, together = 0.0, 0.0, True  # tangents of the pierced bands' own thetas from there
     for i in range(len(bands)):
         section = bands[i].section
         if section.kind == PIERCED:
             c, s = slackest(section)
-            away = atan2(s * cosine - c * sine, c * cosine + s * sine)
-            low, high = min(low, away), max(high, away)
-    low, high = guess + low, guess + high
+            beside, ahead = s * cosine - c * sine, c * cosine + s * sine
+            together = together and ahead > 0.0
+            if together:
+                low, high = min(low, beside / ahead), max(high, beside / ahead)
     # a pierced band is convex in its plane's turn up to 90 deg from its shortest, and longer beyond
     # than on the near side: with planes that turn evenly the sum has one valley
-    if not turn_evenly(bands):
-        return search_circle(bands, neutral)
-    if high - low < pi and near_side(bands, low) and near_side(bands, high):
+    low, high = guess + atan(low), guess + atan(high)
+    if together and near_side(bands, low) and near_side(bands, high):
         theta = descend(bands, low, guess, high, True)
     else:
         theta = search_pierced(bands, EVEN_STEPS)

@@ -9,7 +9,7 @@ from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
 from .compiled import compiled
-from .linked_planes import Band, Constants, plane_at, state_at, vector
+from .linked_planes import HUMERAL_POINT, NORMAL, Band, Muscle, plane_at, state_at, vector
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
 
 ZERO = (0.0, 0.0, 0.0)
@@ -108,7 +108,7 @@ def edge_follows(
 
 @compiled
 def muscle_state(
-    muscle: Constants,
+    muscle: Muscle,
     rotation: tuple[Vector, Vector, Vector],
     bands: list[Band],
     theta: float,
@@ -118,7 +118,7 @@ def muscle_state(
     states: list[int],
 ) -> None:
     """Fill in lengths (n, m), moment vectors (3 n, m, ground axes) and wrap states (n)."""
-    HM = turned(rotation, vector(muscle.humeral_point, 0))
+    HM = turned(rotation, vector(muscle, HUMERAL_POINT))
     c, s = cos(theta), sin(theta)
     Ett, Etw = 0.0, ZERO  # d2E/dtheta2 and d2E/dtheta domega
     follow = ZERO  # dtheta/domega
@@ -127,7 +127,7 @@ def muscle_state(
     for i in range(len(bands)):
         band = bands[i]
         if i == 0:
-            W = first_turn(band, vector(muscle.reference_normal, 0))
+            W = first_turn(band, vector(muscle, NORMAL))
         else:
             W, dW = next_turn(W, dW, J, n, last, band)
         n = mix(c, band.A, s, band.B)

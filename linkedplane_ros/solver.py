@@ -31,7 +31,6 @@ from .kernels import (
     draw,
     solve_poses,
 )
-from .linked_planes import Constants
 from .model import BroadMuscle
 
 Floats = npt.NDArray[np.float64]
@@ -166,7 +165,7 @@ class LinkedPlaneSolver:
             raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
         self.muscle = muscle
         self.side = side
-        self._constants = constants(muscle)
+        self._flat = flat(muscle)
         self._neutral = 0.0
         neutral = self.solve(np.eye(3))
         neutral.paths()
@@ -186,7 +185,8 @@ class LinkedPlaneSolver:
         matrix = numbers('rotation', rotation, '(3, 3)')
         if matrix.shape != (3, 3):
             raise ValueError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
-        return self._solved(matrix.reshape(1, 3, 3), 'rotation')[0]
+        theta, lengths, moments, wrap = self._solved(matrix[np.newaxis], 'rotation')
+        return MuscleState(float(theta[0]), lengths[0], moments[0], wrap[0], matrix, self)
 
     def solve_batch(self, rotations: npt.ArrayLike) -> MuscleStates:
         """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""
@@ -195,9 +195,12 @@ class LinkedPlaneSolver:
             matrices = np.empty((0, 3, 3))
         if matrices.ndim != 3 or matrices.shape[1:] != (3, 3):
             raise ValueError(f'rotations: shape {matrices.shape} given, (m, 3, 3) expected')
-        return self._solved(matrices, 'rotations[{}]')
+        return MuscleStates(*self._solved(matrices, 'rotations[{}]'), matrices, self)
 
-    def _solved(self, rotations: Floats, name: str) -> MuscleStates:
+    def _solved(
+        self, rotations: Floats, name: str
+    ) -> tuple[Floats, Floats, Floats, npt.NDArray[np.uint8]]:
+        """Return theta (m,), lengths (m, n), moment vectors (m, n, 3) and wrap (m, n)."""
         m, n = len(rotations), len(self.muscle.band_names)
         theta = np.empty(m)
         lengths = np.empty((m, n))
@@ -209,12 +212,12 @@ class LinkedPlaneSolver:
             raise ValueError(f'{name.format(k)}: {reason}')
         if self.side == 'left':
             moments *= TURN_MIRROR
-        return MuscleStates(theta, lengths, moments, wrap, rotations, self)
+        return theta, lengths, moments, wrap
 
     def _run(self, rotations: Floats, *filled: npt.NDArray[Any]) -> tuple[int, int, int]:
         """Run the kernel: in threads if that pays; on lists, which are quicker, if uncompiled."""
         m = len(rotations)
-        given = self._constants, self._neutral
+        given = self._flat, self._neutral
         if not COMPILED:
             lists = [array.tolist() for array in filled]
             answer = solve_poses(*given, rotations.tolist(), 0, m, *lists)
@@ -240,7 +243,7 @@ class LinkedPlaneSolver:
         """
         n = len(self.muscle.band_names)
         insertions, centres, arcs = np.empty((n, 3)), np.empty((n, 3)), np.zeros((n, points, 3))
-        draw(self._constants, state.rotation, state.theta, state.wrap, insertions, centres, arcs)
+        draw(self._flat, state.rotation, state.theta, state.wrap, insertions, centres, arcs)
         return self._mirrored(insertions), self._mirrored(centres), self._mirrored(arcs)
 
     def _mirrored(self, points: Floats) -> Floats:
@@ -254,21 +257,18 @@ def available_cores() -> int:
     return os.cpu_count() or 1
 
 
-def constants(muscle: BroadMuscle) -> Constants:
-    """Return the muscle as the kernels read it: arrays compiled, quicker lists if not."""
-    fields = (
+def flat(muscle: BroadMuscle) -> Any:
+    """Return the muscle as the kernels read it: an array compiled, a list, quicker, if not."""
+    phi = muscle.plane_angles
+    bands = (
         muscle.origins,
         muscle.insertions,
         muscle.sphere_centres,
-        muscle.sphere_radii,
-        np.cos(muscle.plane_angles),
-        np.sin(muscle.plane_angles),
-        muscle.reference_normal,
-        muscle.ground_point,
-        muscle.humeral_point,
+        np.column_stack((muscle.sphere_radii, np.cos(phi), np.sin(phi))),
     )
-    flat = [np.ascontiguousarray(field, dtype=np.float64).ravel() for field in fields]
-    return Constants(*flat if COMPILED else [field.tolist() for field in flat])
+    points = (muscle.reference_normal, muscle.ground_point, muscle.humeral_point)
+    vectors = np.concatenate((points, np.stack(bands, axis=1).reshape(-1, 3)))
+    return vectors.ravel() if COMPILED else vectors.ravel().tolist()
 
 
 def numbers(name: str, values: npt.ArrayLike, expected: str) -> Floats:

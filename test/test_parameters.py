@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -141,22 +142,29 @@ def ros() -> Iterator[None]:
 
 
 @pytest.fixture
-def peer(ros: None) -> Iterator[Peer]:
-    """Read and feed the node, and let it work."""
-    node = Peer()
-    yield node
-    node.destroy_node()
+def node(ros: None) -> Iterator[MuscleStatePublisher]:
+    """Make the node, in this process."""
+    made = MuscleStatePublisher()
+    yield made
+    made.destroy_node()
 
 
 @pytest.fixture
-def node(peer: Peer) -> Iterator[MuscleStatePublisher]:
-    """Run the node in this process, beside its peer."""
-    made = MuscleStatePublisher()
-    peer.executor_of_its_own.add_node(made)
+def peer(node: MuscleStatePublisher) -> Iterator[Peer]:
+    """Read and feed the node, and let it work."""
+    with connected(node) as made:
+        yield made
+
+
+@contextmanager
+def connected(node: MuscleStatePublisher) -> Iterator[Peer]:
+    """Give a peer that works together with a node."""
+    peer = Peer()
+    peer.executor_of_its_own.add_node(node)
     peer.connect()
-    yield made
-    peer.executor_of_its_own.remove_node(made)
-    made.destroy_node()
+    yield peer
+    peer.executor_of_its_own.remove_node(node)
+    peer.destroy_node()
 
 
 def as_sent(name: str, value: Any, kind: Parameter.Type | None = None) -> Parameter:
@@ -343,29 +351,26 @@ def test_a_change_of_muscle_moves_the_topics_there_and_back(
 ) -> None:
     path = tmp_path / 'thin.yaml'
     path.write_text(MODEL.replace('name: deltoid', 'name: thin').replace('37.294653', '35.294653'))
-    other = Peer('thin')
-    peer.executor_of_its_own.add_node(other)
-    try:
-        for _ in range(2):
-            assert change(node, muscle=str(path)).successful
-            peer.until(lambda: all(reader.get_publisher_count() for reader in other.readers))
-            count = len(other.got['band_lengths'])
-            while len(other.got['band_lengths']) == count:
+    thin = Peer('thin')
+    peer.executor_of_its_own.add_node(thin)
+    for _ in range(2):
+        for muscle, reader in ((str(path), thin), ('deltoid', peer)):
+            assert change(node, muscle=muscle).successful
+            lengths = reader.got['band_lengths']
+            lengths.clear()
+            while not lengths:  # until the new topic's publisher and its reader have met
                 peer.send(THESIS.coordinates, POSE)
-                peer.until(lambda c=count: len(other.got['band_lengths']) > c, 1.0)
-            state = LinkedPlaneSolver(BroadMuscle.load(path)).solve(THESIS.rotation(POSE))
-            assert (
-                np.abs(np.array(other.got['band_lengths'][-1].data) - state.lengths).max() <= EXACT
-            )
-            before = len(peer.got['band_lengths'])
-            assert change(node, muscle='deltoid').successful
-            while len(peer.got['band_lengths']) == before:
-                peer.send(THESIS.coordinates, POSE)
-                peer.until(lambda c=before: len(peer.got['band_lengths']) > c, 1.0)
-            assert np.abs(np.array(peer.got['band_lengths'][-1].data) - solved()[0]).max() <= EXACT
-    finally:
-        peer.executor_of_its_own.remove_node(other)
-        other.destroy_node()
+                peer.until(lambda lengths=lengths: bool(lengths), 0.2)
+            solver = LinkedPlaneSolver(BroadMuscle.load(muscle))
+            want = solver.solve(THESIS.rotation(POSE)).lengths
+            assert np.abs(np.array(lengths[-1].data) - want).max() <= EXACT
+            found = {topic for topic, _ in node.get_publisher_names_and_types_by_node(
+                node.get_name(), node.get_namespace())}  # fmt: skip
+            gone = {'thin': 'deltoid', 'deltoid': 'thin'}[solver.muscle.name]
+            assert f'/{solver.muscle.name}/moment_arms' in found
+            assert f'/{gone}/moment_arms' not in found
+    peer.executor_of_its_own.remove_node(thin)
+    thin.destroy_node()
 
 
 NO_TOPIC = 'my muscle'
@@ -402,16 +407,12 @@ def test_a_wrong_override_at_the_start_is_a_value_error_in_one_line(
     assert '\n' not in str(caught.value)
 
 
-def test_overrides_at_the_start_count_and_an_unknown_one_does_no_harm(peer: Peer) -> None:
+def test_overrides_at_the_start_count_and_an_unknown_one_does_no_harm(ros: None) -> None:
     overrides = {'no_such_thing': 3, 'side': 'left', 'joint_offsets': [0, 1, 0], 'markers.rate': 5}
     made = MuscleStatePublisher(
         parameter_overrides=[as_sent(name, value) for name, value in overrides.items()]
     )
-    try:
-        peer.executor_of_its_own.add_node(made)
-        peer.connect()
+    with connected(made) as peer:
         assert same(answer(peer), solved(side='left', angles=(POSE[0], POSE[1] + 1.0, POSE[2])))
         assert not made.has_parameter('no_such_thing')
-    finally:
-        peer.executor_of_its_own.remove_node(made)
-        made.destroy_node()
+    made.destroy_node()
