@@ -21,7 +21,7 @@ from .band import (
 from .compiled import compiled
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
 
-LAST_STEP = 1e-6  # rad: a Newton step this small leaves an error of about its square
+LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of about its square
 EVEN = 2.0  # a plane's fastest turn with theta over its slowest, up to which it turns evenly
 EDGE = 1e-9  # rad: as near as E is looked at beside a jump
 EVEN_STEPS, CIRCLE_STEPS = 12, 360  # samples of a circle: pierced bands that turn evenly; others

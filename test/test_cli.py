@@ -127,9 +127,7 @@ def test_the_table_holds_what_the_solver_gives_in_mm(capsys: pytest.CaptureFixtu
 
 
 def test_degrees_are_turned_into_radians(capsys: pytest.CaptureFixture[str]) -> None:
-    text = said(
-        capsys, 'solve', '--json', '--degrees', '--convention', THESIS, '10', '90', '-20'
-    )
+    text = said(capsys, 'solve', '--json', '--degrees', '--convention', THESIS, '10', '90', '-20')
     answer = json.loads(text)
     angles = tuple(np.radians((10.0, 90.0, -20.0)).tolist())
     assert answer['angles_rad'] == pytest.approx(angles, abs=1e-15)
