@@ -8,8 +8,11 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
+import re
 import sys
 from collections.abc import Callable, Sequence
+from decimal import Decimal
 
 import numpy as np
 
@@ -156,7 +159,7 @@ def parser() -> argparse.ArgumentParser:
     one = command('solve', solve)
     one.add_argument('--convention', choices=tuple(JOINT_CONVENTIONS), required=True,
                      help='what the angles mean')  # fmt: skip
-    one.add_argument('angles', nargs=3, type=float, metavar=('A', 'B', 'C'),
+    one.add_argument('angles', nargs=3, type=float, metavar='ANGLE',
                      help="the convention's three angles, rad")  # fmt: skip
     one.add_argument('--degrees', action='store_true', help='the angles are in degrees')
     one.add_argument('--side', choices=SIDES, default='right')
@@ -176,18 +179,26 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+def plain(argument: str) -> str:
+    """Return an argument, -1e-3 as -0.001: argparse takes the former for an option."""
+    if re.fullmatch(r'-\d*\.?\d+[eE][-+]?\d+', argument):
+        return f'{Decimal(argument):f}'
+    return argument
+
+
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    options = parser().parse_args(args)
+    options = parser().parse_args([plain(arg) for arg in (sys.argv[1:] if args is None else args)])
     try:
         options.run(options)
+        sys.stdout.flush()
     except ValueError as error:
         print(f'linkedplane: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:
-        sys.stderr.close()
+    except BrokenPipeError:  # whoever read the output has enough of it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 0
 

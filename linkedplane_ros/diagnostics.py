@@ -14,7 +14,7 @@ from .joint_input import REASONS
 from .solver import MuscleState, WrapState
 
 TIMED = 2000  # callbacks that the timing figures look back on
-STALE_AFTER = 1.0  # s without input
+STALE_AFTER = 3.0  # s without input
 
 
 @dataclass
@@ -37,11 +37,11 @@ class Tally:
         fresh, self.rejected_before = rejected - self.rejected_before, rejected
         if self.last_arrival is None:
             return DiagnosticStatus.STALE, 'no joint states received yet'
+        if not self.answered:
+            return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_line}'
         age = now - self.last_arrival
         if age > STALE_AFTER:
             return DiagnosticStatus.STALE, f'no joint states for {age:.1f} s'
-        if not self.answered:
-            return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_line}'
         if fresh:
             return DiagnosticStatus.WARN, f'{fresh} rejected in the last second: {self.last_line}'
         return DiagnosticStatus.OK, 'answering'

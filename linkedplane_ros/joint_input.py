@@ -58,13 +58,15 @@ class JointMemory:
         fresh = self._positions(names, positions)
         rates, warning = self._velocities(names, velocities)
         self.positions.update(fresh)
+        for name in fresh:  # a velocity is no older than the position it came with
+            self.velocities.pop(name, None)
         self.velocities.update(rates)
         unseen = [name for name in self.joints.names if name not in self.positions]
         if unseen:
             raise Rejected('incomplete', f'waiting for joint {unseen[0]!r}, not seen so far')
         angles = np.array([self.positions[name] for name in self.joints.names])
         angles = np.array(self.joints.signs) * angles + np.array(self.joints.offsets)
-        if not rates or any(name not in self.velocities for name in self.joints.names):
+        if any(name not in self.velocities for name in self.joints.names):
             return angles, None, warning
         speeds = np.array([self.velocities[name] for name in self.joints.names])
         return angles, np.array(self.joints.signs) * speeds, warning

@@ -7,6 +7,7 @@ behind a BroadMuscle is in m and rad.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
@@ -177,6 +178,13 @@ class Section:
             raise self.fault(key, f'text expected, {_kind(value)} given')
         return value.strip()
 
+    def token(self, key: str) -> str:
+        """Return the text under a key that is to be part of topic names."""
+        value = self.text(key)
+        if not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', value):
+            raise self.fault(key, f'{value!r} given; a letter, then letters, digits and _ expected')
+        return value
+
     def names(self, key: str) -> tuple[str, ...]:
         """Return the list of distinct names under a key."""
         value = self.content[key]
@@ -184,6 +192,9 @@ class Section:
             raise self.fault(key, f'a list of names expected, {_kind(value)} given')
         if len(set(value)) < len(value):
             raise self.fault(key, 'a name stands twice')
+        for name in value:
+            if not name.isprintable() or ',' in name or not name.strip():
+                raise self.fault(key, f'{name!r} given; a name without a comma expected')
         return tuple(value)
 
     def choice(self, key: str, factors: Mapping[str, float]) -> float:
@@ -267,7 +278,7 @@ def _muscle(file: Section) -> BroadMuscle:
     if not np.linalg.norm(normal) > 0.0:
         raise file.fault('reference_normal', 'a vector of some length expected, zero given')
     muscle = BroadMuscle(
-        name=file.text('name'),
+        name=file.token('name'),
         source=file.text('source'),
         band_names=names,
         heads=_heads(file, names),

@@ -117,6 +117,8 @@ class MuscleStatePublisher(Node):
 
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         """Accept a batch of parameter changes if the whole of it can be worked with."""
+        if not any(change.name in parameters.NAMES for change in changes):
+            return SetParametersResult(successful=True)
         try:
             self._candidate = parameters.Settings.from_values(self._values(changes))
         except ValueError as error:

@@ -9,7 +9,6 @@ from typing import Any
 
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-from rclpy.exceptions import InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -117,8 +116,8 @@ SPECS = (
     ),
     ParameterSpec(
         'joint_names',
-        [],
-        "The three joints in the convention's order; empty: named as its coordinates.",
+        [''],
+        "The three joints in the convention's order; one empty name: its coordinates.",
     ),
     ParameterSpec(
         'joint_signs', [1.0, 1.0, 1.0], 'angle = sign * position + offset: the three signs, +-1.'
@@ -192,14 +191,16 @@ def markdown() -> str:
 
 
 def declare(node: Node) -> Settings:
-    """Declare every parameter on a node and return the settings; ValueError as from_values."""
-    values = {}
+    """Declare every parameter on a node and return the settings; ValueError as from_values.
+
+    The values are checked here before their descriptors are: rclpy's own complaint about a value
+    out of range does not name it.
+    """
+    free = ParameterDescriptor(dynamic_typing=True)
+    values = {
+        spec.name: node.declare_parameter(spec.name, spec.default, free).value for spec in SPECS
+    }
+    settings = Settings.from_values(values)
     for spec in SPECS:
-        try:
-            values[spec.name] = node.declare_parameter(
-                spec.name, spec.default, spec.descriptor()
-            ).value
-        except InvalidParameterValueException as error:
-            spec.checked(error.value)
-            raise ValueError(f'parameter {spec.name}: {error.value!r}: {error.reason}') from None
-    return Settings.from_values(values)
+        node.set_descriptor(spec.name, spec.descriptor())
+    return settings

@@ -15,6 +15,7 @@ from sensor_msgs.msg import JointState
 
 from .recordings import Recording
 
+SETTLING = 0.3  # s: a subscriber is known here a little before it knows this publisher
 OUTPUT_QOS = QoSProfile(depth=1000)
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
@@ -63,6 +64,7 @@ def await_subscriber(publishers: list[Publisher], seconds: float) -> bool:
         if time.monotonic() >= deadline:
             return False
         time.sleep(0.02)
+    time.sleep(min(SETTLING, seconds))
     return True
 
 

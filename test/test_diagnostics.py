@@ -47,9 +47,9 @@ def test_without_input_the_level_is_stale() -> None:
 
 
 def test_input_that_has_ended_is_stale() -> None:
-    level, line = heard(answered=5, age=2.5).level(NOW)
+    level, line = heard(answered=5, age=7.5).level(NOW)
     assert level == STALE
-    assert '2.5 s' in line
+    assert '7.5 s' in line
     assert heard(answered=5, age=STALE_AFTER).level(NOW)[0] == OK
 
 

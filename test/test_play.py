@@ -1,4 +1,4 @@
-"""A recording played: every message, byte by byte, in order, and what happens where it cannot be."""
+"""A recording played: every message, byte by byte, in order; or a line that says why not."""
 
 from __future__ import annotations
 
