@@ -119,7 +119,7 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
         )
         assert peer.until(lambda: player.poll() is not None, 120.0)
         assert player.returncode == 0
-        peer.answers(len(inputs), 10.0)
+        peer.answers(len(inputs))
     finally:
         status = process.stop()
     check_answers(peer, inputs, convention, names)
