@@ -33,7 +33,9 @@ from .markers import MuscleMarkers
 from .solver import MuscleState
 
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-OUTPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+# deep enough at 500 Hz to give a reader again what it lost up to a heartbeat (3 s) ago
+OUTPUT_QOS = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
+MARKERS_QOS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 THROTTLE = 5.0  # s between lines on rejected messages
 
 
@@ -103,7 +105,7 @@ class MuscleStatePublisher(Node):
             self.create_publisher(
                 kind,
                 f'{muscle}/{topic}',
-                OUTPUT_QOS,
+                MARKERS_QOS if kind is MarkerArray else OUTPUT_QOS,
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
             )
             for topic, kind in (

@@ -16,7 +16,7 @@ from sensor_msgs.msg import JointState
 from .recordings import Recording
 
 SETTLING = 0.3  # s: a subscriber is known here a little before it knows this publisher
-OUTPUT_QOS = QoSProfile(depth=1000)
+OUTPUT_QOS = QoSProfile(depth=10000)
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 

@@ -58,15 +58,21 @@ class NodeProcess:
 class Peer(Node):
     """Publishes joint states and keeps every message that the muscle node publishes."""
 
-    def __init__(self, prefix: str = 'deltoid', context: Any = None) -> None:
-        """Subscribe everything, deep enough to lose nothing."""
+    def __init__(self, prefix: str = 'deltoid', context: Any = None, raw: bool = False) -> None:
+        """Subscribe everything, deep enough to lose nothing; markers unread (bytes) if `raw`."""
         super().__init__('test_peer', context=context)
         qos = QoSProfile(depth=20000)
         self.got: dict[str, list[Any]] = {topic: [] for topic in TOPICS}
         self.diagnostics: list[DiagnosticArray] = []
         self.publisher = self.create_publisher(JointState, 'joint_states', qos)
         self.readers = [
-            self.create_subscription(kind, f'{prefix}/{topic}', self.got[topic].append, qos)
+            self.create_subscription(
+                kind,
+                f'{prefix}/{topic}',
+                self.got[topic].append,
+                qos,
+                raw=raw and topic == 'markers',
+            )
             for topic, kind in TOPICS.items()
         ]
         self.executor_of_its_own = SingleThreadedExecutor(context=context)

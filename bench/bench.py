@@ -1,0 +1,245 @@
+"""Measure the solver beside its rivals, everything in one run: a table, and build/bench.json.
+
+`make bench` runs it. Times are the best of several rounds: the machine's noise only adds.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, solver
+from linkedplane_ros.compiled import COMPILED
+
+ROUNDS = 15
+THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
+POSE = np.array((0.5, 0.4, 0.2))  # rad
+HERE = Path(__file__).parent
+FIRST_ANSWER = (
+    'import numpy, linkedplane_ros as l; '
+    "l.LinkedPlaneSolver(l.BroadMuscle.load('deltoid')).solve(numpy.eye(3))"
+)
+
+
+def best(call: Callable[[], Any], seconds: float = 0.02) -> float:
+    """Return the time of one call in s, the best of some rounds."""
+    call()
+    start = time.perf_counter()
+    call()
+    count = max(1, int(seconds / max(time.perf_counter() - start, 1e-7)))
+    times = []
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        for _ in range(count):
+            call()
+        times.append((time.perf_counter() - start) / count)
+    return min(times)
+
+
+def poses(count: int) -> np.ndarray:
+    """Return random rotations: flexion -40..120, abduction 0..120, rotation +-60 deg."""
+    rng = np.random.default_rng(1)
+    angles = np.radians(rng.uniform((-40, 0, -60), (120, 120, 60), (min(count, 5000), 3)))
+    rotations = np.array([THESIS.rotation(each) for each in angles])
+    return np.resize(rotations, (count, 3, 3))
+
+
+def broadened(bands: int) -> BroadMuscle:
+    """Return the deltoid with another number of bands: the same fan in more planes."""
+    muscle = BroadMuscle.load('deltoid')
+    n = len(muscle.band_names)
+    old, new = np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, bands)
+
+    def spread(values: np.ndarray) -> np.ndarray:
+        columns = values.reshape(n, -1).T
+        return np.column_stack([np.interp(new, old, column) for column in columns])
+
+    return replace(
+        muscle,
+        band_names=tuple(f'band_{i}' for i in range(bands)),
+        heads=(),
+        origins=spread(muscle.origins),
+        insertions=spread(muscle.insertions),
+        sphere_centres=spread(muscle.sphere_centres),
+        sphere_radii=spread(muscle.sphere_radii).ravel(),
+        plane_angles=spread(muscle.plane_angles).ravel() * (n - 1) / (bands - 1),
+    )
+
+
+def rate(muscle: BroadMuscle, frames: int, cores: int) -> float:
+    """Return frames a second of solve_batch."""
+    one = LinkedPlaneSolver(muscle)
+    rotations = poses(frames)
+    cores_before, solver.available_cores = solver.available_cores, lambda: cores
+    try:
+        return frames / best(lambda: one.solve_batch(rotations), 0.1)
+    finally:
+        solver.available_cores = cores_before
+
+
+def batch_memory(frames: int) -> float:
+    """Return MiB that solve_batch takes beyond its inputs and outputs, at its peak."""
+    code = (
+        'import resource, sys, numpy as np, bench\n'
+        "one = bench.LinkedPlaneSolver(bench.BroadMuscle.load('deltoid'))\n"
+        f'rotations = bench.poses({frames})\n'
+        'one.solve_batch(rotations[:1000])\n'
+        'before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n'
+        'batch = one.solve_batch(rotations)\n'
+        'after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n'
+        'kept = (batch.theta, batch.lengths, batch.moment_vectors, batch.wrap, batch.rotation)\n'
+        'print((after - before) / 1024 - sum(each.nbytes for each in kept) / 2**20)\n'
+    )
+    return float(output(code))
+
+
+def output(code: str, **environment: str) -> str:
+    """Run Python code in a process of its own and return what it prints."""
+    run = subprocess.run(
+        [sys.executable, '-c', code],
+        env={**os.environ, 'PYTHONPATH': str(HERE), **environment},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return run.stdout.strip()
+
+
+def start_up(rounds: int, **environment: str) -> float:
+    """Return s from the start of a process to its first answer."""
+    times = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        output(FIRST_ANSWER, **environment)
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def rivals(one: LinkedPlaneSolver) -> dict[str, float | str]:
+    """Return the s that MuJoCo and OpenSim take for nine unlinked bands, or why they are not here."""
+    from rivals import MujocoBands, OpenSimBands
+
+    muscle = one.muscle
+    centres = one.solve(np.eye(3)).sphere_centres
+    given = (muscle.origins, muscle.insertions, centres, muscle.sphere_radii)
+    found: dict[str, float | str] = {}
+    try:
+        mujoco = MujocoBands(*given)
+        mujoco.pose(THESIS.rotation(POSE))
+        found['mujoco'] = best(mujoco.update)
+    except ImportError as error:
+        found['mujoco'] = f'left out: {error}'
+    try:
+        opensim = OpenSimBands(*given)
+        found['opensim'] = best(lambda: opensim.solve(POSE))
+    except ImportError as error:
+        found['opensim'] = f'left out: {error}'
+    return found
+
+
+def measure() -> dict[str, Any]:
+    """Return every figure, in s, frames a second and MiB."""
+    one = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
+    rotation = THESIS.rotation(POSE)
+    figures: dict[str, Any] = {'machine': machine(), 'compiled': COMPILED}
+    figures['call'] = best(lambda: one.solve(rotation))
+    figures.update(rivals(one))
+    figures['call again'] = best(lambda: one.solve(rotation))
+    figures['call uncompiled'] = float(
+        output(
+            'import bench; one = bench.LinkedPlaneSolver(bench.BroadMuscle.load("deltoid"))\n'
+            'print(bench.best(lambda: one.solve(bench.THESIS.rotation(bench.POSE))))',
+            LINKEDPLANE_COMPILE='0',
+        )
+    )
+    cores = solver.available_cores()
+    figures['frames'] = {
+        f'{frames} frames, {used} cores': rate(one.muscle, frames, used)
+        for frames in (100, 1_000, 10_000, 100_000)
+        for used in sorted({1, min(2, cores)})
+    }
+    figures['bands'] = {
+        f'{bands} bands': rate(broadened(bands), 2_000, min(2, cores)) for bands in (9, 90, 900)
+    }
+    figures['batch memory'] = {str(m): batch_memory(m) for m in (100_000, 400_000)}
+    figures['start cached'] = start_up(5)
+    with tempfile.TemporaryDirectory() as empty:
+        figures['start cold'] = start_up(1, NUMBA_CACHE_DIR=empty)
+    figures['start uncompiled'] = start_up(5, LINKEDPLANE_COMPILE='0')
+    return figures
+
+
+def machine() -> str:
+    """Return the processor's name and the number of cores in use."""
+    try:
+        lines = Path('/proc/cpuinfo').read_text().splitlines()
+        name = next(line.partition(': ')[2] for line in lines if line.startswith('model name'))
+    except (OSError, StopIteration):
+        name = platform.processor() or platform.machine()
+    return f'{name}, {solver.available_cores()} cores, Python {platform.python_version()}'
+
+
+def table(figures: dict[str, Any]) -> str:
+    """Return the figures as the README has them."""
+    call = min(figures['call'], figures['call again'])
+    rows = [
+        ('lengths + 9x3 moment vectors, one call', f'{1e6 * call:.1f} us', ''),
+        ('the same, uncompiled', f'{1e3 * figures["call uncompiled"]:.2f} ms', ''),
+    ]
+    for name, title, ratio in (
+        ('mujoco', "MuJoCo's 9 unlinked tendons + Jacobian", 'ours takes {:.1f} times as long'),
+        ('opensim', "OpenSim's 9 unlinked WrapSpheres + 3 moment arms", 'ours is {:.0f} times faster'),
+    ):
+        value = figures[name]
+        if isinstance(value, str):
+            rows.append((title, '', value))
+        else:
+            times = call / value if name == 'mujoco' else value / call
+            rows.append((title, f'{1e6 * value:.1f} us', ratio.format(times)))
+    rows.append(('the thesis, 1 GHz laptop', '0.8 ms', 'mean; worst 1.1 ms (ch. 6)'))
+    rows += [
+        (f'solve_batch, {name}', f'{value:,.0f} frames/s', '')
+        for name, value in figures['frames'].items()
+    ]
+    rows += [
+        (f'solve_batch, {name}, 2,000 frames', f'{value:,.0f} frames/s', '')
+        for name, value in figures['bands'].items()
+    ]
+    rows += [
+        (f'memory of {int(m):,} frames beyond inputs and outputs', f'{value:.1f} MiB', '')
+        for m, value in figures['batch memory'].items()
+    ]
+    rows += [
+        ('process start to first answer, cached', f'{figures["start cached"]:.2f} s', ''),
+        ('... not cached: compiling', f'{figures["start cold"]:.1f} s', ''),
+        ('... uncompiled', f'{figures["start uncompiled"]:.2f} s', ''),
+    ]
+    lines = [f'| {figures["machine"]} | | |', '| --- | ---: | --- |']
+    return '\n'.join([*lines, *(f'| {a} | {b} | {c} |' for a, b, c in rows)])
+
+
+def main() -> None:
+    """Measure, print the table and write the JSON file."""
+    figures = measure()
+    print(table(figures))
+    folder = HERE.parent / 'build'
+    folder.mkdir(exist_ok=True)
+    (folder / 'bench.json').write_text(json.dumps(figures, indent=2) + '\n')
+    print(f'\nwritten to {folder / "bench.json"}; peak memory '
+          f'{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB')  # fmt: skip
+
+
+if __name__ == '__main__':
+    main()
