@@ -12,7 +12,7 @@ endif
 unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
 unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test check workspace clean
+.PHONY: help demo test bench check workspace clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
@@ -20,8 +20,11 @@ help:  ## list the targets
 demo: .venv/.made  ## run the node on recorded motion and show its topics
 	@$(BIN)/demo
 
-test: .venv/.made check workspace  ## run all checks and tests
+test: .venv/.rivals check workspace  ## run all checks and tests
 	$(BIN)/python -m pytest -m 'not workspace'
+
+bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim
+	@$(BIN)/python bench/bench.py
 
 # NumPy for Python 3.10 has other, looser types.
 OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))
@@ -52,4 +55,11 @@ SUITABLE := import sys, ensurepip, venv; sys.exit(not (3, 10) <= sys.version_inf
 	$(PYTHON) -m venv --clear .venv
 	touch .venv/COLCON_IGNORE
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
+	touch $@
+
+# Each rival where it can be had; what compares with a missing one is skipped, and says so.
+.venv/.rivals: .venv/.made
+	@for rival in mujoco opensim; do \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check $$rival \
+	  || echo "make: $$rival cannot be installed here; comparisons with it are left out"; done
 	touch $@

@@ -14,6 +14,7 @@ ros = [
 ]
 fast = ['numba']
 tools = ['matplotlib', 'rosbags']
+bench = ['mujoco', 'opensim']
 test = [
     'colcon-bash',
     'colcon-output',
@@ -45,6 +46,7 @@ setup(
         'ros': ros,
         'fast': fast,
         'tools': tools,
+        'bench': bench,
         'all': ros + fast + tools,
         'test': test,
     },

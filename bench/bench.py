@@ -128,7 +128,7 @@ def start_up(rounds: int, **environment: str) -> float:
 
 
 def rivals(one: LinkedPlaneSolver) -> dict[str, float | str]:
-    """Return the s that MuJoCo and OpenSim take for nine unlinked bands, or why they are not here."""
+    """Return the s that MuJoCo and OpenSim take for nine unlinked bands, or why they are out."""
     from rivals import MujocoBands, OpenSimBands
 
     muscle = one.muscle
@@ -200,7 +200,7 @@ def table(figures: dict[str, Any]) -> str:
     ]
     for name, title, ratio in (
         ('mujoco', "MuJoCo's 9 unlinked tendons + Jacobian", 'ours takes {:.1f} times as long'),
-        ('opensim', "OpenSim's 9 unlinked WrapSpheres + 3 moment arms", 'ours is {:.0f} times faster'),
+        ('opensim', "OpenSim's 9 WrapSpheres + 3 moment arms", 'ours is {:.0f} times faster'),
     ):
         value = figures[name]
         if isinstance(value, str):
