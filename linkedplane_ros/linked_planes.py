@@ -103,28 +103,31 @@ def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Ba
         P = band_vector(muscle, i, ORIGIN)
         S = turned(rotation, band_vector(muscle, i, INSERTION))
         R, cos_phi, sin_phi = band_vector(muscle, i, RADIUS_AND_PHI)
-        D = norm(minus(S, P))
-        u = times(1.0 / D, minus(S, P))
+        line = minus(S, P)
+        D = norm(line)
+        u = times(1.0 / D, line)
         # the sphere's moving frame (thesis ch. 5): x from P to HM, z across the plane with SC
-        lever = norm(minus(HM, P))
+        x = minus(HM, P)
+        lever = norm(x)
         if lever < 1e-9:
             break
-        x = times(1.0 / lever, minus(HM, P))
+        x = times(1.0 / lever, x)
         q = minus(SC, P)
-        across = norm(cross(x, q))
+        z = cross(x, q)
+        across = norm(z)
         if across < 1e-9:
             break
-        z = times(1.0 / across, cross(x, q))
+        z = times(1.0 / across, z)
         y = cross(z, x)
         cx, cy, cz = band_vector(muscle, i, CENTRE)
         p = plus(times(cx, x), mix(cy, y, cz, z))
         a = dot(p, u)
         # distances from the line by the cross product: no cancellation
         pu = cross(p, u)
-        kind = obstacle_kind(D, a, dot(pu, pu), R)
-        tP = sqrt(max(dot(p, p) - R * R, 0.0))
-        from_S = mix(1.0, p, -D, u)
-        tS = sqrt(max(dot(from_S, from_S) - R * R, 0.0))
+        rho2 = dot(pu, pu)
+        kind = obstacle_kind(D, a, rho2, R)
+        tP = sqrt(max(rho2 + a * a - R * R, 0.0))
+        tS = sqrt(max(rho2 + (D - a) * (D - a) - R * R, 0.0))
         # the plane: the reference normal, then the normal of the band before (App. B)
         A = mix(1.0, A, -dot(A, u), u)
         B = mix(1.0, B, -dot(B, u), u)
@@ -133,13 +136,16 @@ def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Ba
         else:
             A = mix(cos_phi, A, sin_phi, cross(u, A))
             B = mix(cos_phi, B, sin_phi, cross(u, B))
-        size = sqrt(dot(A, A) + dot(B, B))
-        if size < 1e-9:
+        AA, BB = dot(A, A), dot(B, B)
+        size2 = AA + BB
+        if size2 < 1e-18:
             break
-        A, B = times(1.0 / size, A), times(1.0 / size, B)
+        if size2 < 0.25:  # long chains shrink
+            A, B = times(1.0 / sqrt(size2), A), times(1.0 / sqrt(size2), B)
+            AA, BB = AA / size2, BB / size2
         section = Section(
             D, a, tP, tS, R, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
-            dot(A, A), dot(A, B), dot(B, B), dot(cross(A, B), u), kind,
+            AA, dot(A, B), BB, dot(cross(A, B), u), kind,
         )  # fmt: skip
         bands.append(Band(S, u, p, A, B, y, z, lever, dot(q, x) / across, section))
     return bands

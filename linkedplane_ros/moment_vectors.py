@@ -123,31 +123,35 @@ def muscle_state(
     Ett, Etw = 0.0, ZERO  # d2E/dtheta2 and d2E/dtheta domega
     follow = ZERO  # dtheta/domega
     shared = [0.0] * len(bands)  # dL/dtheta
+    turning = -1  # the last band whose plane's turn matters
+    planes = [plane_at(band.section, c, s) for band in bands]
+    for i in range(len(bands)):
+        d, b, _, _ = planes[i]
+        states[i] = state_at(bands[i].section, d, b, i == held)
+        if states[i] == WRAPPED or i == held:
+            turning = i
     last, n, J, W, dW = bands[0], ZERO, 1.0, ZERO, ZERO
     for i in range(len(bands)):
         band = bands[i]
-        if i == 0:
-            W = first_turn(band, vector(muscle, NORMAL))
-        else:
-            W, dW = next_turn(W, dW, J, n, last, band)
-        n = mix(c, band.A, s, band.B)
-        n = times(1.0 / norm(n), n)
-        plane = plane_at(band.section, c, s)
-        d, b, J, dJ = plane
-        state = state_at(band.section, d, b, i == held)
-        if state == WRAPPED:
-            lengths[i], Lpsi, Lpsi2, g, dg = pull(band, HM, n, plane, W, dW)
+        if i <= turning:
+            if i == 0:
+                W = first_turn(band, vector(muscle, NORMAL))
+            else:
+                W, dW = next_turn(W, dW, J, n, last, band)
+            n = mix(c, band.A, s, band.B)
+            n = times(1.0 / norm(n), n)
+            last, J = band, planes[i][2]
+        if states[i] == WRAPPED:
+            lengths[i], Lpsi, Lpsi2, g, dg = pull(band, HM, n, planes[i], W, dW)
             shared[i] = Lpsi * J
-            Ett += Lpsi2 * J * J + Lpsi * dJ
+            Ett += Lpsi2 * J * J + Lpsi * planes[i][3]
             Etw = plus(Etw, dg)
         else:
             lengths[i] = band.section.D
             g = cross(band.S, band.u)
         if i == held:
-            follow = edge_follows(band, HM, n, plane, W)
-        states[i] = state
+            follow = edge_follows(band, HM, n, planes[i], W)
         moments[3 * i], moments[3 * i + 1], moments[3 * i + 2] = g
-        last = band
     if held < 0 and Ett > 0.0:
         follow = times(-1.0 / Ett, Etw)
     for i in range(len(bands)):
