@@ -34,7 +34,11 @@ class NodeProcess:
     """The muscle node as users run it, with parameters; its stderr is kept."""
 
     def __init__(self, log: Path, *arguments: str, **parameters: Any) -> None:
-        """Start it; what it writes goes to the log."""
+        """Start it; what it writes goes to the log.
+
+        Its subscription is reliable, so that a message sent to it is not lost while it matches.
+        """
+        parameters.setdefault('qos_overrides./joint_states.subscription.reliability', 'reliable')
         given = [part for item in parameters.items() for part in ('-p', '{}:={}'.format(*item))]
         command = [sys.executable, '-m', 'linkedplane_ros.executables', '--ros-args']
         command += [*arguments, *given]
@@ -99,7 +103,8 @@ class Peer(Node):
             )
 
         assert self.until(found), node.text if node else 'no node'
-        self.until(lambda: False, 0.3)  # the node matches the readers as they have matched it
+        # that the node has found the readers, too, its first diagnostics tell
+        assert self.until(lambda: bool(self.diagnostics)), 'no diagnostics'
 
     def send(
         self,

@@ -105,7 +105,6 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
     # as the README advises for a replay in which nothing may be lost
     parameters = {
         'joint_convention': convention,
-        'qos_overrides./joint_states.subscription.reliability': 'reliable',
         'qos_overrides./joint_states.subscription.depth': 10000,
     }
     if names:

@@ -22,6 +22,7 @@ PURE = (
     'band',
     'compiled',
     'conventions',
+    'joint_input',
     'kernels',
     'linked_planes',
     'model',
