@@ -18,7 +18,7 @@ help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
 
 demo: .venv/.made  ## run the node on recorded motion and show its topics
-	@$(BIN)/demo
+	@$(BIN)/linkedplane_demo
 
 test: .venv/.rivals check workspace  ## run all checks and tests
 	$(BIN)/python -m pytest -m 'not workspace'
@@ -59,7 +59,7 @@ SUITABLE := import sys, ensurepip, venv; sys.exit(not (3, 10) <= sys.version_inf
 
 # Each rival where it can be had; what compares with a missing one is skipped, and says so.
 .venv/.rivals: .venv/.made
-	@for rival in mujoco opensim; do \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check $$rival \
+	@for rival in 'mujoco>=3.6' opensim; do \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check "$$rival" \
 	  || echo "make: $$rival cannot be installed here; comparisons with it are left out"; done
 	touch $@

@@ -14,7 +14,7 @@ ros = [
 ]
 fast = ['numba']
 tools = ['matplotlib', 'rosbags']
-bench = ['mujoco', 'opensim']
+bench = ['mujoco>=3.6', 'opensim']
 test = [
     'colcon-bash',
     'colcon-output',
@@ -61,7 +61,7 @@ setup(
         'console_scripts': [
             'muscle_state_publisher = linkedplane_ros.executables:muscle_state_publisher',
             'linkedplane = linkedplane_ros.cli:main',
-            'demo = linkedplane_ros.executables:demo',
+            'linkedplane_demo = linkedplane_ros.executables:demo',
         ],
     },
 )

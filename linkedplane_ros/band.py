@@ -57,7 +57,7 @@ def wrap(
     tangents from P and S to the sphere and do not depend on the plane. The arc, in (0, 2 pi), is
     the turn from t1 to t2.
     """
-    r = sqrt(R * R - d * d)
+    r = sqrt(max(R * R - d * d, 1e-30))
     near_P = 1.0 / (tP * tP + r * r)  # 1 / |cP|^2
     near_S = 1.0 / (tS * tS + r * r)
     t1u = (a * tP - b * r) * near_P

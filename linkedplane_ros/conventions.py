@@ -87,7 +87,7 @@ class JointConvention:
         The second turn is taken in `middle`, so an elevation is not negative. Where the first and
         the third turn share an axis (arm at the side, for the conventions with an elevation) only
         their sum is defined: the first is then 0. ValueError where no angles give the rotation
-        (possible for opensim_tsm alone, near the arm at the side).
+        (opensim_tsm alone, for its third axis leans; see the message).
         """
         R = proper(rotation)
         e1, e2, e3 = self._units
@@ -99,8 +99,8 @@ class JointConvention:
         swing = np.hypot(cosine, sine)
         if abs(constant) > swing + 1e-9:
             raise ValueError(
-                f'rotation: no {self.name} angles give it; its axes reach all rotations but those '
-                f'within {np.degrees(np.arcsin(abs(e2 @ e3))):.1f} deg of the arm at the side'
+                f'rotation: no {self.name} angles give it: seen from the humerus, the first axis '
+                f'lies within {np.degrees(np.arcsin(abs(e2 @ e3))):.1f} deg of the third'
             )
         if swing < SINGULAR:
             return self._unmixed(self._at_singularity(R))

@@ -28,7 +28,13 @@ ANSWERS = {
     'band_states': JointState,
     'wrap_states': UInt8MultiArray,
 }
-PATIENCE = 40.0  # s for the node to start, and for the recording
+STARTING = 300.0  # s for the node to start, and to compile the solver the first time
+PATIENCE = 40.0  # s for the recording
+LOSE_NOTHING = [
+    '--ros-args',
+    '-p',
+    'qos_overrides./joint_states.subscription.reliability:=reliable',
+]
 ROWS_EVERY = 0.5  # s of the recording between rows of the table
 
 
@@ -123,12 +129,12 @@ def main() -> int:
     recording = Recording.open(sample_folder() / 'arm_raise')
     muscle = BroadMuscle.load('deltoid')
     run = [sys.executable, '-m']
-    node = subprocess.Popen([*run, 'linkedplane_ros.executables'])
+    node = subprocess.Popen([*run, 'linkedplane_ros.executables', *LOSE_NOTHING])
     player = None
     rclpy.init()
     listener = Listener(muscle)
     try:
-        if not spin(listener, listener.connected, node):
+        if not spin(listener, listener.connected, node, STARTING):
             print('demo: the node did not start', file=sys.stderr)
             return 1
         print(
@@ -140,7 +146,7 @@ def main() -> int:
         player = subprocess.Popen(
             [*run, 'linkedplane_ros.cli', 'play', str(recording.path)], stdout=subprocess.DEVNULL
         )
-        done = spin(listener, lambda: counted(listener, recording.count), node)
+        done = spin(listener, lambda: counted(listener, recording.count), node, PATIENCE)
         return summary(listener, recording.count) if done else summary(listener, -1)
     finally:
         for process in (node, player):
@@ -156,9 +162,9 @@ def counted(listener: Listener, count: int) -> bool:
     return all(listener.counts[topic] >= count for topic in ('joint_states', *ANSWERS))
 
 
-def spin(listener: Listener, until: Any, node: subprocess.Popen[bytes]) -> bool:
+def spin(listener: Listener, until: Any, node: subprocess.Popen[bytes], patience: float) -> bool:
     """Read messages until something is so, the node dies or patience ends; return whether it is."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + patience
     while not until():
         if time.monotonic() > deadline or node.poll() is not None:
             return False

@@ -91,8 +91,8 @@ class Band(NamedTuple):
 def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Band]:
     """Pose the muscle: its bands and the chain of their planes, for a humerus -> scapula rotation.
 
-    A band whose plane is undefined (its predecessor's normal runs along its line) or whose sphere's
-    frame is (P, HM and SC in one line) ends the list before its time.
+    A band without a line (it ends where it begins), a plane (the normal before it runs along its
+    line) or a frame of its sphere (P, HM and SC in one line) ends the list before its time.
     """
     SC = vector(muscle, GROUND_POINT)
     HM = turned(rotation, vector(muscle, HUMERAL_POINT))
@@ -105,6 +105,8 @@ def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Ba
         R, cos_phi, sin_phi = band_vector(muscle, i, RADIUS_AND_PHI)
         line = minus(S, P)
         D = norm(line)
+        if D < 1e-9:
+            break
         u = times(1.0 / D, line)
         # the sphere's moving frame (thesis ch. 5): x from P to HM, z across the plane with SC
         x = minus(HM, P)
@@ -443,7 +445,7 @@ def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
             if together:
                 low, high = min(low, beside / ahead), max(high, beside / ahead)
     # a pierced band is convex in its plane's turn up to 90 deg from its shortest, and longer beyond
-    # than on the near side: with planes that turn evenly the sum has one valley
+    # than on the near side; with planes that turn evenly all scans of the sum found one valley
     low, high = guess + atan(low), guess + atan(high)
     if together and near_side(bands, low) and near_side(bands, high):
         theta = descend(bands, low, guess, high, True)

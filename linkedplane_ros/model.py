@@ -128,10 +128,10 @@ class UniqueKeys(yaml.SafeLoader):
 def _read(file: str, text: str) -> BroadMuscle:
     try:
         content = yaml.load(text, UniqueKeys)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         mark = getattr(error, 'problem_mark', None)
         line = f' at line {mark.line + 1}' if mark else ''
-        problem = getattr(error, 'problem', None) or 'not YAML'
+        problem = getattr(error, 'problem', None) or str(error).split('\n')[0]
         raise ModelError(f'{file}: not valid YAML{line}: {problem}') from None
     return _muscle(Section(file, '', content))
 
@@ -219,7 +219,8 @@ class Section:
 
     def polynomial(self, key: str, s: Floats) -> Floats:
         """Return the polynomial under a key (highest power first) at each s."""
-        values = np.asarray(np.polyval(self.numbers(key), s), dtype=np.float64)
+        with np.errstate(all='ignore'):
+            values = np.asarray(np.polyval(self.numbers(key), s), dtype=np.float64)
         if not np.isfinite(values).all():
             raise self.fault(key, 'the polynomial is not finite over s')
         return values

@@ -73,8 +73,9 @@ class MuscleStatePublisher(Node):
 
     def _declared(self) -> parameters.Settings:
         """Return the parameters' settings; say so if the solver has to be compiled for them."""
-        notice = Timer(1.0, self.get_logger().info, ['compiling the solver; cached from now on'])
-        notice.start()
+        notice = Timer(1.0, self.get_logger().info, ['compiling the solver for this machine'])
+        if COMPILED:
+            notice.start()
         try:
             return parameters.declare(self)
         finally:
@@ -82,9 +83,11 @@ class MuscleStatePublisher(Node):
 
     def _apply(self, settings: parameters.Settings) -> None:
         """Work with these settings from now on."""
+        memory = getattr(self, '_memory', None)
+        if memory is None or memory.joints != settings.joints:
+            self._memory = JointMemory(settings.joints)
         self._settings = settings
         muscle = settings.solver.muscle
-        self._memory = JointMemory(settings.joints)
         self._markers = MuscleMarkers(muscle, settings.frame_id, settings.markers_points)
         self._last_markers = -math.inf
         bands = ('band', muscle.band_names)

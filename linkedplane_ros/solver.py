@@ -39,13 +39,14 @@ SIDES = ('right', 'left')
 MIRROR = np.array([-1.0, 1.0, 1.0])  # x -> -x: points and other true vectors
 TURN_MIRROR = -MIRROR  # rotations and moments keep x and change y and z
 PARALLEL_FROM = 512  # poses: below this, threads cost more than they give
+BLOCK = 1000  # poses that are lists at a time, uncompiled
 
 FAULTS = {
     NOT_FINITE: 'a value is not finite; finite numbers expected',
     NOT_ORTHONORMAL: f'R^T R is not the identity within {ORTHONORMAL:g}; a rotation expected',
     REFLECTION: 'its determinant is -1, a reflection; a proper rotation expected',
-    NO_PLANE: 'band {} has no plane or no sphere frame at this pose: the normal before it runs '
-    'along its line, or HM lies in line with its origin and SC',
+    NO_PLANE: 'band {} has no plane or no sphere frame at this pose: it ends where it begins, the '
+    'normal before it runs along its line, or HM lies in line with its origin and SC',
 }
 
 
@@ -219,11 +220,16 @@ class LinkedPlaneSolver:
         m = len(rotations)
         given = self._flat, self._neutral
         if not COMPILED:
-            lists = [array.tolist() for array in filled]
-            answer = solve_poses(*given, rotations.tolist(), 0, m, *lists)
-            for array, values in zip(filled, lists, strict=True):
-                array[:] = np.array(values, dtype=array.dtype).reshape(array.shape)
-            return answer
+            for start in range(0, m, BLOCK):
+                part = slice(start, start + BLOCK)
+                lists = [array[part].tolist() for array in filled]
+                given_rotations = rotations[part].tolist()
+                k, fault, band = solve_poses(*given, given_rotations, 0, len(lists[0]), *lists)
+                if fault != SOLVED:
+                    return start + k, fault, band
+                for array, values in zip(filled, lists, strict=True):
+                    array[part] = values
+            return m, SOLVED, 0
         threads = available_cores() if m >= PARALLEL_FROM else 1
         if threads == 1:
             return solve_poses(*given, rotations, 0, m, *filled)

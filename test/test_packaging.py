@@ -30,7 +30,7 @@ PURE = (
     'solver',
     'vectors',
 )
-SCRIPTS = ('muscle_state_publisher', 'linkedplane', 'demo')
+SCRIPTS = ('muscle_state_publisher', 'linkedplane', 'linkedplane_demo')
 ENVIRONMENT = SOURCES / 'ros_environment.py'
 PREPARE = f"import runpy; runpy.run_path('{ENVIRONMENT}')['prepare'](); "
 RCLPY_RUNS = PREPARE + "import rclpy; rclpy.init(); rclpy.shutdown(); print('rclpy runs')"
@@ -149,7 +149,8 @@ def test_pure_modules_load_no_ros_package() -> None:
 def test_package_xml_declares_just_the_ros_packages_that_are_imported() -> None:
     sources = [*SOURCES.glob('*.py'), *TOP.glob('launch/*.py')]
     imported = set().union(*map(ros_imports, sources))
-    assert {name for name in declared('exec_depend') if is_of_ros(name)} == imported
+    started = {'tf2_ros'}  # by a launch file
+    assert {name for name in declared('exec_depend') if is_of_ros(name)} == imported | started
 
 
 # What its executables stand on: each repair that ros_environment makes, and each that it cannot
