@@ -1,11 +1,12 @@
 """Measure the solver beside its rivals, everything in one run: a table, and build/bench.json.
 
-`make bench` runs it. Times are the best of several rounds: the machine's noise only adds.
+`make bench` runs it. Times are the best of many rounds: the machine's noise only adds.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
 import resource
@@ -13,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ import numpy as np
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, solver
 from linkedplane_ros.compiled import COMPILED
 
-ROUNDS = 15
+SECONDS = 2.0  # of measuring, each call
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 POSE = np.array((0.5, 0.4, 0.2))  # rad
 HERE = Path(__file__).parent
@@ -33,19 +34,25 @@ FIRST_ANSWER = (
 )
 
 
-def best(call: Callable[[], Any], seconds: float = 0.02) -> float:
-    """Return the time of one call in s, the best of some rounds."""
-    call()
-    start = time.perf_counter()
-    call()
-    count = max(1, int(seconds / max(time.perf_counter() - start, 1e-7)))
-    times: list[float] = []
-    while len(times) < ROUNDS and (len(times) < 2 or sum(times) * count < 3.0):
+def best(calls: Mapping[str, Callable[[], Any]], seconds: float = 0.02) -> dict[str, float]:
+    """Return the s that each call takes, at best: all take turns, so that noise meets all alike."""
+    counts = {}
+    for name, call in calls.items():
+        call()
         start = time.perf_counter()
-        for _ in range(count):
-            call()
-        times.append((time.perf_counter() - start) / count)
-    return min(times)
+        call()
+        counts[name] = max(1, int(seconds / max(time.perf_counter() - start, 1e-7)))
+    found = dict.fromkeys(calls, math.inf)
+    end = time.perf_counter() + SECONDS * len(calls)
+    rounds = 0
+    while rounds < 2 or time.perf_counter() < end:
+        rounds += 1
+        for name, call in calls.items():
+            start = time.perf_counter()
+            for _ in range(counts[name]):
+                call()
+            found[name] = min(found[name], (time.perf_counter() - start) / counts[name])
+    return found
 
 
 def poses(count: int) -> np.ndarray:
@@ -78,15 +85,24 @@ def broadened(bands: int) -> BroadMuscle:
     )
 
 
-def rate(muscle: BroadMuscle, frames: int, cores: int) -> float:
-    """Return frames a second of solve_batch."""
-    one = LinkedPlaneSolver(muscle)
-    rotations = poses(frames)
-    cores_before, solver.available_cores = solver.available_cores, lambda: cores
+def rates(batches: Mapping[str, tuple[BroadMuscle, int, int]]) -> dict[str, float]:
+    """Return frames a second of solve_batch for each muscle, number of frames and of cores."""
+
+    def batch(muscle: BroadMuscle, frames: int, cores: int) -> Callable[[], Any]:
+        one, rotations = LinkedPlaneSolver(muscle), poses(frames)
+
+        def call() -> None:
+            solver.available_cores = lambda: cores
+            one.solve_batch(rotations)
+
+        return call
+
+    cores_before = solver.available_cores
     try:
-        return frames / best(lambda: one.solve_batch(rotations), 0.1)
+        times = best({name: batch(*each) for name, each in batches.items()})
     finally:
         solver.available_cores = cores_before
+    return {name: frames / times[name] for name, (_, frames, _) in batches.items()}
 
 
 def batch_memory(frames: int) -> float:
@@ -130,26 +146,27 @@ def start_up(rounds: int, **environment: str) -> float:
     return min(times)
 
 
-def rivals(one: LinkedPlaneSolver) -> dict[str, float | str]:
-    """Return the s that MuJoCo and OpenSim take for nine unlinked bands, or why they are out."""
+def rivals(one: LinkedPlaneSolver) -> tuple[dict[str, Callable[[], Any]], dict[str, str]]:
+    """Return MuJoCo's and OpenSim's calls for nine unlinked bands, and why any are left out."""
     from rivals import MujocoBands, OpenSimBands
 
     muscle = one.muscle
     centres = one.solve(np.eye(3)).sphere_centres
     given = (muscle.origins, muscle.insertions, centres, muscle.sphere_radii)
-    found: dict[str, float | str] = {}
+    calls: dict[str, Callable[[], Any]] = {}
+    missing = {}
     try:
         mujoco = MujocoBands(*given)
         mujoco.pose(THESIS.rotation(POSE))
-        found['mujoco'] = best(mujoco.update)
+        calls['mujoco'] = mujoco.update
     except ImportError as error:
-        found['mujoco'] = f'left out: {error}'
+        missing['mujoco'] = f'left out: {error}'
     try:
         opensim = OpenSimBands(*given)
-        found['opensim'] = best(lambda: opensim.solve(POSE))
+        calls['opensim'] = lambda: opensim.solve(POSE)
     except ImportError as error:
-        found['opensim'] = f'left out: {error}'
-    return found
+        missing['opensim'] = f'left out: {error}'
+    return calls, missing
 
 
 def measure() -> dict[str, Any]:
@@ -157,25 +174,27 @@ def measure() -> dict[str, Any]:
     one = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
     rotation = THESIS.rotation(POSE)
     figures: dict[str, Any] = {'machine': machine(), 'compiled': COMPILED}
-    figures['call'] = best(lambda: one.solve(rotation))
-    figures.update(rivals(one))
-    figures['call again'] = best(lambda: one.solve(rotation))
+    calls, missing = rivals(one)
+    figures.update(best({'call': lambda: one.solve(rotation), **calls}), **missing)
     figures['call uncompiled'] = float(
         output(
             'import bench; one = bench.LinkedPlaneSolver(bench.BroadMuscle.load("deltoid"))\n'
-            'print(bench.best(lambda: one.solve(bench.THESIS.rotation(bench.POSE))))',
+            'rotation = bench.THESIS.rotation(bench.POSE)\n'
+            "print(bench.best({'call': lambda: one.solve(rotation)})['call'])",
             LINKEDPLANE_COMPILE='0',
         )
     )
-    cores = solver.available_cores()
-    figures['frames'] = {
-        f'{frames} frames, {used} cores': rate(one.muscle, frames, used)
-        for frames in (100, 1_000, 10_000, 100_000)
-        for used in sorted({1, min(2, cores)})
-    }
-    figures['bands'] = {
-        f'{bands} bands': rate(broadened(bands), 2_000, min(2, cores)) for bands in (9, 90, 900)
-    }
+    two = min(2, solver.available_cores())
+    figures['frames'] = rates(
+        {
+            f'{frames:,} frames, {used} core{"s" * (used > 1)}': (one.muscle, frames, used)
+            for frames in (100, 1_000, 10_000, 100_000)
+            for used in range(1, two + 1)
+        }
+    )
+    figures['bands'] = rates(
+        {f'{n} bands, 2,000 frames': (broadened(n), 2_000, two) for n in (9, 90, 900)}
+    )
     figures['batch memory'] = {str(m): batch_memory(m) for m in (100_000, 400_000)}
     figures['start cached'] = start_up(5)
     with tempfile.TemporaryDirectory() as empty:
@@ -196,7 +215,7 @@ def machine() -> str:
 
 def table(figures: dict[str, Any]) -> str:
     """Return the figures as the README has them."""
-    call = min(figures['call'], figures['call again'])
+    call = figures['call']
     rows = [
         ('lengths + 9x3 moment vectors, one call', f'{1e6 * call:.1f} us', ''),
         ('the same, uncompiled', f'{1e3 * figures["call uncompiled"]:.2f} ms', ''),
@@ -214,11 +233,7 @@ def table(figures: dict[str, Any]) -> str:
     rows.append(('the thesis, 1 GHz laptop', '0.8 ms', 'mean; worst 1.1 ms (ch. 6)'))
     rows += [
         (f'solve_batch, {name}', f'{value:,.0f} frames/s', '')
-        for name, value in figures['frames'].items()
-    ]
-    rows += [
-        (f'solve_batch, {name}, 2,000 frames', f'{value:,.0f} frames/s', '')
-        for name, value in figures['bands'].items()
+        for name, value in (figures['frames'] | figures['bands']).items()
     ]
     rows += [
         (f'memory of {int(m):,} frames beyond inputs and outputs', f'{value:.1f} MiB', '')

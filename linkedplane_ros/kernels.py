@@ -8,14 +8,13 @@ from typing import Any
 
 from .band import WRAPPED, wrap
 from .compiled import compiled, entry, fingerprint
+from .least_length import solve_theta
 from .linked_planes import (
-    ORIGIN,
     Muscle,
     band_count,
-    band_vector,
+    band_vectors,
     bands_at,
     plane_at,
-    solve_theta,
 )
 from .moment_vectors import muscle_state
 from .vectors import Vector, cross, dot, mix, norm, plus, times
@@ -108,7 +107,7 @@ def make_draw(sources: str) -> Callable[..., None]:
         c, s = cos(theta), sin(theta)
         for i in range(len(bands)):
             band = bands[i]
-            C = plus(band_vector(muscle, i, ORIGIN), band.p)
+            C = plus(band_vectors(muscle, i)[0], band.p)
             for axis in range(3):
                 insertions[i][axis] = band.S[axis]
                 centres[i][axis] = C[axis]

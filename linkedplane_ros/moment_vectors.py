@@ -10,7 +10,7 @@ from math import cos, sin
 from .band import WRAPPED, length_by_plane, wrap
 from .compiled import compiled
 from .linked_planes import HUMERAL_POINT, NORMAL, Band, Muscle, plane_at, state_at, vector
-from .vectors import Vector, cross, dot, minus, mix, norm, plus, times, turned
+from .vectors import Vector, blend, cross, dot, minus, mix, norm, plus, times, turned
 
 ZERO = (0.0, 0.0, 0.0)
 
@@ -25,10 +25,9 @@ def tilt(band: Band, x: Vector) -> Vector:
 def sphere_moves(band: Band, HM: Vector, f: Vector) -> Vector:
     """Return d(f.C)/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5)."""
     moment = cross(band.p, f)
-    my, mz = dot(moment, band.y), dot(moment, band.z)
-    mx = dot(moment, cross(band.y, band.z))
-    push = mix(mz, band.y, -(my + band.skew * mx), band.z)
-    return times(1.0 / band.lever, cross(HM, push))
+    mx, my, mz = dot(moment, band.x), dot(moment, band.y), dot(moment, band.z)
+    k = 1.0 / band.lever
+    return cross(HM, mix(k * mz, band.y, -k * (my + band.skew * mx), band.z))
 
 
 @compiled
@@ -49,11 +48,13 @@ def next_turn(
     e = cross(last.u, n)
     nu, eps, mu = dot(n, band.u), dot(e, band.u), dot(last.u, band.u)
     k = 1.0 / max(eps * eps + mu * mu, 1e-300)  # 1 / (1 - nu^2)
-    tilt_n, tilt_un = tilt(last, n), tilt(band, cross(band.u, n))
-    top = minus(mix(mu, W, eps, tilt_n), times(nu, tilt_un))
-    dtop = mix(eps, tilt(last, e), -nu, tilt(band, cross(band.u, e)))
-    dtop = minus(dtop, mix(nu, tilt_n, eps, tilt_un))
-    dtop = mix(mu, dW, J, dtop)
+    eps_D, last_nu_D, nu_D = eps / last.section.D, nu / last.section.D, nu / band.section.D
+    # mu W + eps tilt(last, n) - nu tilt(band, u x n), and its prime
+    top = mix(mu, W, eps_D, cross(last.S, n))
+    top = minus(top, times(nu_D, cross(band.S, cross(band.u, n))))
+    dlast = cross(last.S, mix(eps_D, e, -last_nu_D, n))
+    dband = cross(band.S, cross(band.u, mix(nu_D, e, eps / band.section.D, n)))
+    dtop = blend(mu, dW, J, dlast, -J, dband)
     return times(k, top), mix(k, dtop, 2.0 * nu * eps * J * k * k, top)
 
 
@@ -81,16 +82,15 @@ def pull(
     h = d * open_u + off * section.a
     dh = dd * open_u + d * dopen_u + doff * section.a
 
-    t2 = mix(t2u, u, t2e, e)
-    dt2 = minus(mix(-t2e * turn_2, u, t2u * turn_2, e), times(J * t2e, n))
-    f = minus(mix(open_u, u, open_e, e), times(off, n))  # force on the sphere
-    df = minus(mix(dopen_u, u, dopen_e - J * off, e), times(J * open_e + doff, n))
-    tilt_n = tilt(band, n)
-    g = plus(cross(band.S, t2), sphere_moves(band, HM, f))
-    g = plus(g, mix(h, tilt_n, Lpsi, W))
-    dg = plus(cross(band.S, dt2), sphere_moves(band, HM, df))
-    dg = plus(dg, mix(dh, tilt_n, h * J, tilt(band, e)))
-    dg = plus(dg, mix(Lpsi2 * J, W, Lpsi, dW))
+    # what pulls at the insertion, the turn of the line included, and what pushes the sphere
+    h_D, dh_D = h / section.D, dh / section.D
+    end = blend(t2u, u, t2e, e, h_D, n)
+    dend = blend(-t2e * turn_2, u, t2u * turn_2 + h_D * J, e, dh_D - J * t2e, n)
+    push = blend(open_u, u, open_e, e, -off, n)
+    dpush = blend(dopen_u, u, dopen_e - J * off, e, -J * open_e - doff, n)
+    g = blend(1.0, cross(band.S, end), 1.0, sphere_moves(band, HM, push), Lpsi, W)
+    dg = plus(cross(band.S, dend), sphere_moves(band, HM, dpush))
+    dg = blend(1.0, dg, Lpsi2 * J, W, Lpsi, dW)
     return section.tP + r * arc + section.tS, Lpsi, Lpsi2, g, dg
 
 

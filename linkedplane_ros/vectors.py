@@ -39,6 +39,15 @@ def mix(j: float, a: Vector, k: float, b: Vector) -> Vector:
 
 
 @compiled
+def blend(j: float, a: Vector, k: float, b: Vector, m: float, c: Vector) -> Vector:
+    """Return j a + k b + m c."""
+    ax, ay, az = a
+    bx, by, bz = b
+    cx, cy, cz = c
+    return j * ax + k * bx + m * cx, j * ay + k * by + m * cy, j * az + k * bz + m * cz
+
+
+@compiled
 def dot(a: Vector, b: Vector) -> float:
     """Return the scalar product of a and b."""
     ax, ay, az = a

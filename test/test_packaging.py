@@ -25,6 +25,7 @@ PURE = (
     'joint_input',
     'kernels',
     'linked_planes',
+    'least_length',
     'model',
     'moment_vectors',
     'solver',
