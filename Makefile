@@ -12,7 +12,7 @@ endif
 unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
 unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test bench check workspace clean
+.PHONY: help demo test bench soak check workspace clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
@@ -21,10 +21,14 @@ demo: .venv/.made  ## run the node on recorded motion and show its topics
 	@$(BIN)/linkedplane_demo
 
 test: .venv/.rivals check workspace  ## run all checks and tests
-	$(BIN)/python -m pytest -m 'not workspace'
+	$(BIN)/python -m pytest -m 'not workspace' --numprocesses 2
 
-bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim
+bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node beside a pass-through
 	@$(BIN)/python bench/bench.py
+
+SECONDS ?= 300
+soak: .venv/.made  ## feed the node at 1 kHz for five minutes: all answered, memory flat?
+	@$(BIN)/python bench/soak.py $(SECONDS)
 
 # NumPy for Python 3.10 has other, looser types.
 OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))

@@ -23,6 +23,7 @@ test = [
     'hypothesis',
     'mypy',
     'pytest',
+    'pytest-xdist',
     'ruff',
     'scipy',
     'types-PyYAML',

@@ -125,9 +125,9 @@ def batch_memory(frames: int) -> float:
 
 
 def output(code: str, **environment: str) -> str:
-    """Run Python code in a process of its own and return what it prints."""
+    """Run Python code, or a file of it, in a process of its own and return what it prints."""
     run = subprocess.run(
-        [sys.executable, '-c', code],
+        [sys.executable, *([code] if code.endswith('.py') else ['-c', code])],
         env={**os.environ, 'PYTHONPATH': str(HERE), **environment},
         check=True,
         capture_output=True,
@@ -200,6 +200,7 @@ def measure() -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as empty:
         figures['start cold'] = start_up(1, NUMBA_CACHE_DIR=empty)
     figures['start uncompiled'] = start_up(5, LINKEDPLANE_COMPILE='0')
+    figures['latency'] = json.loads(output(str(HERE / 'latency.py')))
     return figures
 
 
@@ -244,8 +245,26 @@ def table(figures: dict[str, Any]) -> str:
         ('... not cached: compiling', f'{figures["start cold"]:.1f} s', ''),
         ('... uncompiled', f'{figures["start uncompiled"]:.2f} s', ''),
     ]
+    rows += latency_rows(figures['latency'])
     lines = [f'| {figures["machine"]} | | |', '| --- | ---: | --- |']
     return '\n'.join([*lines, *(f'| {a} | {b} | {c} |' for a, b, c in rows)])
+
+
+def latency_rows(found: dict[str, dict[str, dict[str, float]]]) -> list[tuple[str, str, str]]:
+    """Return the table's rows of the node's latency beside the pass-through's."""
+    table = []
+    for rate, nodes in found.items():
+        base = nodes['pass-through']
+        for name, each in nodes.items():
+            times = ', '.join(f'{1e3 * each[key]:.2f}' for key in ('median', 'p99', 'worst'))
+            remark = f'CPU {100 * each["cpu"]:.0f} %, {each["lost"]:.0f} lost'
+            if name == 'ours':
+                ratios = (each[key] / base[key] for key in ('median', 'p99'))
+                remark += '; {:.2f} and {:.2f} times the pass-through'.format(*ratios)
+            table.append(
+                (f'topic to topic, {rate}, {name}: median, p99, worst', f'{times} ms', remark)
+            )
+    return table
 
 
 def main() -> None:

@@ -17,9 +17,9 @@ from decimal import Decimal
 import numpy as np
 
 from . import __version__
-from .conventions import JOINT_CONVENTIONS
+from .conventions import JOINT_CONVENTIONS, SIDES
 from .model import BroadMuscle
-from .solver import SIDES, LinkedPlaneSolver, WrapState
+from .solver import LinkedPlaneSolver, WrapState
 
 
 def info(args: argparse.Namespace) -> None:

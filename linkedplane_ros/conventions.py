@@ -11,14 +11,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import cos, sin
 from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from .compiled import compiled, entry
 
+Floats = npt.NDArray[np.float64]
+Rows = tuple[tuple[float, float, float], ...]
+
+SIDES = ('right', 'left')
 LEFT_AXES = np.array([[1.0], [-1.0], [-1.0]])  # axes of rotation mirrored, x -> -x
+NEAR_SINGULAR = 0.02  # the sine of the elevation below which two moment arms are nearly one
 SINGULAR = 1e-14  # below this sine the first and third turn are about one axis
 TOLERANCE = 1e-6  # how far R^T R of a rotation may be from the identity
 
@@ -33,14 +39,14 @@ class JointConvention:
 
     name: str
     coordinates: tuple[str, str, str]
-    sequence: tuple[tuple[float, float, float], ...]
+    sequence: Rows
     """The three axes of the turns, each in the frame that the turns before it have made."""
     middle: tuple[float, float]
     """The range of the second turn, rad, in which `angles` answers."""
     formula: str
     relative_to: str
     """What the convention's usual streams measure the humerus against."""
-    mix: tuple[tuple[float, float, float], ...] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    mix: Rows = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
     def rotation(self, angles: npt.ArrayLike) -> Floats:
         """Return the (3, 3) rotation humerus -> scapula of three angles (3,), rad."""
@@ -59,23 +65,19 @@ class JointConvention:
         self, angles: npt.ArrayLike, side: str = 'right'
     ) -> tuple[Floats, Floats]:
         """Return `rotation` (always the right shoulder's) and `axes` of three angles, at once."""
-        e1, e2, e3 = self._units
-        m1, m2, m3 = (self._mix @ three(angles)).tolist()
-        first = turn(e1, m1)
-        second = first @ turn(e2, m2)
-        columns = np.column_stack((e1, first @ e2, second @ e3)) @ self._mix
-        if side == 'left':
-            columns *= LEFT_AXES
-        elif side != 'right':
+        if side not in SIDES:
             raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
-        return second @ turn(e3, m3), columns
+        rotation, axes = np.empty((3, 3)), np.empty((3, 3))
+        turn_in_sequence(self._units, self._mix, three(angles), rotation, axes)
+        return rotation, axes * LEFT_AXES if side == 'left' else axes
 
     def _unmixed(self, turns: Floats) -> Floats:
         return np.asarray(np.linalg.solve(self._mix, turns), dtype=np.float64)
 
     @cached_property
-    def _units(self) -> list[Floats]:
-        return [unit(axis) for axis in self.sequence]
+    def _units(self) -> Floats:
+        axes = np.array(self.sequence, dtype=np.float64)
+        return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
     @cached_property
     def _mix(self) -> Floats:
@@ -111,12 +113,6 @@ class JointConvention:
         ]
         return self._unmixed(min(found, key=self._outside))
 
-    def sine_of_singularity(self, angles: npt.ArrayLike) -> float:
-        """Return the sine of the angle between the first and the third turn's axis; 0: singular."""
-        e1, e2, e3 = self._units
-        m2 = float((self._mix @ three(angles))[1])
-        return float(np.linalg.norm(np.cross(e1, turn(e2, m2) @ e3)))
-
     def _from_third(self, R: Floats, w: Floats, m3: float) -> Floats:
         e1, e2, e3 = self._units
         back = turn(e3, m3)
@@ -138,13 +134,23 @@ class JointConvention:
         return max(low - m2, m2 - high, 0.0), m2
 
 
+def sine_of_singularity(axes: Floats) -> float:
+    """Return the sine of the angle between the first and the third turn's axis; 0: singular.
+
+    `axes` (3, 3) are those of `JointConvention.axes`. For a sequence like Y-X-Y it is the sine of
+    the elevation. Near 0 the first and third coordinate's moment arms, though right, say the same.
+    """
+    (ax, _, bx), (ay, _, by), (az, _, bz) = axes.tolist()
+    return math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+
+
 def three(angles: npt.ArrayLike) -> Floats:
     """Return three finite angles (3,), rad; ValueError for anything else."""
     try:
         array = np.asarray(angles, dtype=np.float64)
     except (TypeError, ValueError):
         array = np.empty(0)
-    if array.shape != (3,) or not np.isfinite(array).all():
+    if array.shape != (3,) or not all(map(math.isfinite, array.tolist())):
         raise ValueError(f'angles: {angles!r} given, 3 finite numbers in rad expected')
     return array
 
@@ -162,24 +168,46 @@ def proper(rotation: npt.ArrayLike) -> Floats:
     return R
 
 
-def unit(axis: npt.ArrayLike) -> Floats:
-    """Return the (3,) vector at unit length."""
-    array = np.asarray(axis, dtype=np.float64)
-    return np.asarray(array / np.linalg.norm(array))
-
-
 def turn(axis: Floats, angle: float) -> Floats:
     """Return the (3, 3) right-handed rotation about a unit axis (3,) by an angle in rad."""
-    x, y, z = axis.tolist()
-    c, s = math.cos(angle), math.sin(angle)
+    return np.array(turn_rows(axis, angle))
+
+
+@compiled
+def turn_rows(axis: Floats, angle: float) -> Rows:
+    """Return the rows of the right-handed rotation about a unit axis by an angle in rad."""
+    x, y, z = axis[0], axis[1], axis[2]
+    c, s = cos(angle), sin(angle)
     k = 1.0 - c
-    return np.array(
-        (
-            (c + k * x * x, k * x * y - s * z, k * x * z + s * y),
-            (k * x * y + s * z, c + k * y * y, k * y * z - s * x),
-            (k * x * z - s * y, k * y * z + s * x, c + k * z * z),
-        )
+    return (
+        (c + k * x * x, k * x * y - s * z, k * x * z + s * y),
+        (k * x * y + s * z, c + k * y * y, k * y * z - s * x),
+        (k * x * z - s * y, k * y * z + s * x, c + k * z * z),
     )
+
+
+@entry
+def turn_in_sequence(
+    units: Floats, mix: Floats, angles: Floats, rotation: Floats, axes: Floats
+) -> None:
+    """Fill in the rotation and the coordinates' axes of a convention, all (3, 3)."""
+    for i in range(3):
+        for j in range(3):
+            rotation[i, j] = 1.0 if i == j else 0.0
+            axes[i, j] = 0.0
+    for k in range(3):
+        angle = mix[k, 0] * angles[0] + mix[k, 1] * angles[1] + mix[k, 2] * angles[2]
+        x, y, z = units[k]
+        (a, b, c), (d, e, f), (g, h, m) = turn_rows(units[k], angle)
+        for i in range(3):
+            # the axis of this turn, by the turns before it; then the turns with this one
+            p, q, r = rotation[i]
+            along = p * x + q * y + r * z
+            for j in range(3):
+                axes[i, j] += along * mix[k, j]
+            rotation[i, 0] = p * a + q * d + r * g
+            rotation[i, 1] = p * b + q * e + r * h
+            rotation[i, 2] = p * c + q * f + r * m
 
 
 def angle_about(axis: Floats, start: Floats, end: Floats) -> float:

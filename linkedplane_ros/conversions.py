@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,8 @@ from std_msgs.msg import (
     MultiArrayLayout,
     UInt8MultiArray,
 )
+
+from .solver import MuscleState
 
 Floats = npt.NDArray[np.float64]
 
@@ -39,26 +42,39 @@ def layout(*dimensions: tuple[str, Sequence[str]]) -> MultiArrayLayout:
     )
 
 
-def float_array(form: MultiArrayLayout, values: Floats) -> Float64MultiArray:
-    """Return values of any shape as a message, row-major."""
-    return Float64MultiArray(layout=form, data=array('d', np.ascontiguousarray(values).tobytes()))
+class Answers:
+    """The answers on one muscle's topics: made once, then filled in for state after state."""
 
+    def __init__(self, bands: Sequence[str], coordinates: Sequence[str], frame_id: str) -> None:
+        """Name the bands and the coordinates in the layouts."""
+        band = ('band', bands)
+        self._lengths = Float64MultiArray(layout=layout(band))
+        self._arms = Float64MultiArray(layout=layout(band, ('coordinate', coordinates)))
+        self._states = JointState(name=list(bands), header=Header(frame_id=frame_id))
+        self._wrap = UInt8MultiArray(layout=layout(band))
+        self._vectors = Float64MultiArray(layout=layout(band, ('axis', ('x', 'y', 'z'))))
+        self._topics = {
+            'band_lengths': self._lengths,
+            'moment_arms': self._arms,
+            'band_states': self._states,
+            'wrap_states': self._wrap,
+            'moment_vectors': self._vectors,
+        }
 
-def byte_array(form: MultiArrayLayout, values: npt.NDArray[np.uint8]) -> UInt8MultiArray:
-    """Return small whole numbers as a message."""
-    return UInt8MultiArray(layout=form, data=array('B', values.tobytes()))
+    def at(
+        self, stamp: Time, state: MuscleState, arms: Floats, lengthening: Floats | None
+    ) -> Mapping[str, Any]:
+        """Return each topic's message. The next call changes the same messages.
 
-
-def band_states(
-    stamp: Time, frame_id: str, names: Sequence[str], lengths: Floats, speeds: Floats | None
-) -> JointState:
-    """Return bands as joints: position their lengths (n,) m, velocity their lengthening (n,) m/s.
-
-    The velocity is empty where speeds is None; the effort always.
-    """
-    return JointState(
-        header=Header(stamp=stamp, frame_id=frame_id),
-        name=list(names),
-        position=array('d', lengths.tobytes()),
-        velocity=array('d', b'' if speeds is None else speeds.tobytes()),
-    )
+        `arms` (n, 3), m, about the coordinates; `lengthening` (n,), m/s, or None: not known. The
+        bands are joints as well: their lengths the positions, their lengthening the velocities.
+        """
+        lengths = array('d', state.lengths.tobytes())
+        self._lengths.data = lengths
+        self._arms.data = array('d', arms.tobytes())
+        self._states.header.stamp = stamp
+        self._states.position = lengths
+        self._states.velocity = array('d', b'' if lengthening is None else lengthening.tobytes())
+        self._wrap.data = array('B', state.wrap.tobytes())
+        self._vectors.data = array('d', state.moment_vectors.tobytes())
+        return self._topics

@@ -23,20 +23,25 @@ class Tally:
 
     received: int = 0
     answered: int = 0
+    near_singular: int = 0
     rejected: Counter[str] = field(default_factory=Counter)
     last_line: str = ''
+    misfits: list[str] = field(default_factory=list)
     solve_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
     callback_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
     last_arrival: float | None = None
     last_state: MuscleState | None = None
     rejected_before: int = 0
+    near_singular_before: int = 0
 
     def level(self, now: float) -> tuple[bytes, str]:
         """Return the level and its line: rejected input warns, no input is stale."""
         rejected = sum(self.rejected.values())
         fresh, self.rejected_before = rejected - self.rejected_before, rejected
+        near = self.near_singular - self.near_singular_before
+        self.near_singular_before = self.near_singular
         if self.last_arrival is None:
-            return DiagnosticStatus.STALE, 'no joint states received yet'
+            return DiagnosticStatus.STALE, next(iter(self.misfits), 'no joint states received yet')
         if not self.answered:
             return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_line}'
         age = now - self.last_arrival
@@ -44,6 +49,14 @@ class Tally:
             return DiagnosticStatus.STALE, f'no joint states for {age:.1f} s'
         if fresh:
             return DiagnosticStatus.WARN, f'{fresh} rejected in the last second: {self.last_line}'
+        if self.misfits:
+            return DiagnosticStatus.WARN, self.misfits[0]
+        if near:
+            return (
+                DiagnosticStatus.OK,
+                f'answering; {near} near the singularity: two moment arms '
+                'say nearly the same, use the moment vectors',
+            )
         return DiagnosticStatus.OK, 'answering'
 
 
@@ -66,6 +79,8 @@ def diagnostics(
     values = dict(facts)
     values['messages received'] = str(tally.received)
     values['messages answered'] = str(tally.answered)
+    values['peers that do not fit'] = str(len(tally.misfits))
+    values['answers near the singularity'] = str(tally.near_singular)
     for reason in REASONS:
         values[f'rejected: {reason}'] = str(tally.rejected[reason])
     for kind, times in (('solve', tally.solve_times), ('callback', tally.callback_times)):

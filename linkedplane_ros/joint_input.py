@@ -9,11 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-import numpy.typing as npt
-
-Floats = npt.NDArray[np.float64]
-
+Three = tuple[float, float, float]
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
 
 
@@ -34,8 +30,8 @@ class JointMap:
     """Which joints are the convention's coordinates: angle = sign * position + offset (rad)."""
 
     names: tuple[str, str, str]
-    signs: tuple[float, float, float]
-    offsets: tuple[float, float, float]
+    signs: Three
+    offsets: Three
 
 
 @dataclass
@@ -45,63 +41,73 @@ class JointMemory:
     joints: JointMap
     positions: dict[str, float] = field(default_factory=dict)
     velocities: dict[str, float] = field(default_factory=dict)
+    _names: list[str] = field(default_factory=list)
+    _places: list[tuple[str, int]] = field(default_factory=list)
 
     def take(
         self, names: Sequence[str], positions: Sequence[float], velocities: Sequence[float]
-    ) -> tuple[Floats, Floats | None, str]:
-        """Take one message in; return angles (3,) rad, velocities (3,) rad/s or None, a warning.
+    ) -> tuple[Three, Three | None, str]:
+        """Take one message in; return angles (3) rad, velocities (3) rad/s or None, a warning.
 
         The velocities are None where the message has none, or unusable ones (the warning then says
         which; it is empty otherwise). Raises Rejected and remembers nothing where the message as a
         whole is no good, and where not all three joints have been seen ('incomplete').
         """
-        fresh = self._positions(names, positions)
-        rates, warning = self._velocities(names, velocities)
-        self.positions.update(fresh)
-        for name in fresh:  # a velocity is no older than the position it came with
-            self.velocities.pop(name, None)
-        self.velocities.update(rates)
-        unseen = [name for name in self.joints.names if name not in self.positions]
-        if unseen:
-            raise Rejected('incomplete', f'waiting for joint {unseen[0]!r}, not seen so far')
-        angles = np.array([self.positions[name] for name in self.joints.names])
-        angles = np.array(self.joints.signs) * angles + np.array(self.joints.offsets)
-        if any(name not in self.velocities for name in self.joints.names):
-            return angles, None, warning
-        speeds = np.array([self.velocities[name] for name in self.joints.names])
-        return angles, np.array(self.joints.signs) * speeds, warning
-
-    def _positions(self, names: Sequence[str], positions: Sequence[float]) -> dict[str, float]:
         if len(names) != len(positions):
             raise Rejected(
                 'sizes', f'{len(names)} names but {len(positions)} positions; one each expected'
             )
-        fresh = {name: q for name, q in zip(names, positions, strict=True)
-                 if name in self.joints.names}  # fmt: skip
-        if not fresh:
-            raise Rejected(
-                'no_joint',
-                f'none of the joints {", ".join(self.joints.names)} in it, but '
-                f'{listed(names)}; set joint_names or joint_convention',
-            )
+        places = self._places_in(names)
+        fresh = {name: positions[i] for name, i in places}
         for name, q in fresh.items():
-            if not math.isfinite(q):
-                raise Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
-            if abs(q) > FULL_CIRCLE:
-                raise Rejected(
-                    'degrees', f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)'
-                )
-        return fresh
+            if not abs(q) <= FULL_CIRCLE:  # nor is NaN
+                raise self._no_angle(name, q)
+        rates, warning = self._rates(len(names), velocities, places)
+        self.positions.update(fresh)
+        if len(rates) < len(fresh):  # a velocity is no older than the position it came with
+            for name in fresh:
+                self.velocities.pop(name, None)
+        self.velocities.update(rates)
+        known, speeds, joints = self.positions, self.velocities, self.joints
+        if len(known) < 3:
+            unseen = next(name for name in joints.names if name not in known)
+            raise Rejected('incomplete', f'waiting for joint {unseen!r}, not seen so far')
+        (a, b, c), (i, j, k), (x, y, z) = joints.names, joints.signs, joints.offsets
+        angles = i * known[a] + x, j * known[b] + y, k * known[c] + z
+        if len(speeds) < 3:
+            return angles, None, warning
+        return angles, (i * speeds[a], j * speeds[b], k * speeds[c]), warning
 
-    def _velocities(
-        self, names: Sequence[str], velocities: Sequence[float]
+    def _places_in(self, names: Sequence[str]) -> list[tuple[str, int]]:
+        """Return where the joints stand among the names, the last of a name that stands twice."""
+        if names != self._names:
+            last = {name: i for i, name in enumerate(names)}
+            found = [(name, last[name]) for name in self.joints.names if name in last]
+            if not found:
+                raise Rejected(
+                    'no_joint',
+                    f'none of the joints {", ".join(self.joints.names)} in it, but '
+                    f'{listed(names)}; set joint_names or joint_convention',
+                )
+            self._names, self._places = list(names), found
+        return self._places
+
+    def _no_angle(self, name: str, q: float) -> Rejected:
+        if not math.isfinite(q):
+            return Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
+        return Rejected(
+            'degrees', f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)'
+        )
+
+    def _rates(
+        self, count: int, velocities: Sequence[float], places: list[tuple[str, int]]
     ) -> tuple[dict[str, float], str]:
+        """Return the joints' velocities, none where they cannot be used, and then why."""
         if not len(velocities):
             return {}, ''
-        if len(names) != len(velocities):
-            return {}, f'velocities left out: {len(velocities)} for {len(names)} names'
-        rates = {name: v for name, v in zip(names, velocities, strict=True)
-                 if name in self.joints.names}  # fmt: skip
+        if count != len(velocities):
+            return {}, f'velocities left out: {len(velocities)} for {count} names'
+        rates = {name: velocities[i] for name, i in places}
         for name, v in rates.items():
             if not math.isfinite(v):
                 return {}, f'velocities left out: that of joint {name!r} is {v}'

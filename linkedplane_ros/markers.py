@@ -44,6 +44,28 @@ def head_colours(muscle: BroadMuscle) -> list[tuple[float, float, float]]:
     return [colours[muscle.head_of(band)] for band in muscle.band_names]
 
 
+class Pace:
+    """Lets markers through so many times a second, by the stamps of the input.
+
+    So a replay at any speed shows the same ones. A jump in time, forwards or back, passes at once;
+    where stamps stand still, the time of arrival counts instead.
+    """
+
+    def __init__(self, rate: float) -> None:
+        """Let through `rate` Hz; 0: all."""
+        self._period = 1.0 / rate - 1e-6 if rate else 0.0
+        self._stamp = self._arrival = -np.inf
+
+    def due(self, stamp: float, arrival: float) -> bool:
+        """Return whether what came at these times, s, is let through."""
+        moved = stamp != self._stamp
+        passed = abs(stamp - self._stamp) if moved else arrival - self._arrival
+        if passed < self._period:
+            return False
+        self._stamp, self._arrival = stamp, arrival
+        return True
+
+
 class MuscleMarkers:
     """The markers of one muscle: made once, then moved in place from state to state."""
 

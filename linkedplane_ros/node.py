@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import gc
 import sys
 from threading import Timer
 from time import perf_counter
@@ -14,28 +14,32 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import MarkerArray
 
-from . import parameters
+from . import parameters, qos
 from .compiled import COMPILED
-from .conversions import Floats, band_states, byte_array, float_array, layout
+from .conventions import NEAR_SINGULAR, sine_of_singularity
+from .conversions import Answers, Floats
 from .diagnostics import Tally, diagnostics
-from .joint_input import JointMemory, Rejected
-from .markers import MuscleMarkers
+from .joint_input import JointMemory, Rejected, Three
+from .markers import MuscleMarkers, Pace
 from .solver import MuscleState
 
-INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-# deep enough at 500 Hz to give a reader again what it lost up to a heartbeat (3 s) ago
-OUTPUT_QOS = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
-MARKERS_QOS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
+OUTPUTS = {
+    'band_lengths': Float64MultiArray,
+    'moment_arms': Float64MultiArray,
+    'band_states': JointState,
+    'wrap_states': UInt8MultiArray,
+    'moment_vectors': Float64MultiArray,
+    'markers': MarkerArray,
+}
 THROTTLE = 5.0  # s between lines on rejected messages
 
 
@@ -47,18 +51,26 @@ class MuscleStatePublisher(Node):
         super().__init__('muscle_state_publisher', **kwargs)
         self._apply(self._declared())
         self._tally = Tally()
-        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._viewers = 0
+        self._diagnostics = self.create_publisher(
+            DiagnosticArray,
+            '/diagnostics',
+            10,
+            event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+        )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self._report, clock=steady)
         self.add_on_set_parameters_callback(self._check)
         self.add_post_set_parameters_callback(self._change)
-        self.create_subscription(
-            JointState,
-            'joint_states',
-            self._answer,
-            INPUT_QOS,
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-        )
+        with qos.overrides_in_one_line():
+            self._input = self.create_subscription(
+                JointState,
+                'joint_states',
+                self._answer,
+                qos.joint_states(),
+                event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+                qos_overriding_options=qos.overridable(),
+            )
         settings = self._settings
         self.get_logger().info(
             f'{settings.solver.muscle.name}, {settings.solver.side} shoulder; '
@@ -89,11 +101,12 @@ class MuscleStatePublisher(Node):
         self._settings = settings
         muscle = settings.solver.muscle
         self._markers = MuscleMarkers(muscle, settings.frame_id, settings.markers_points)
-        self._last_markers = -math.inf
-        bands = ('band', muscle.band_names)
-        self._bands_layout = layout(bands)
-        self._arms_layout = layout(bands, ('coordinate', settings.convention.coordinates))
-        self._advertise(muscle.name)
+        self._pace = Pace(settings.markers_rate)
+        self._answers = Answers(
+            muscle.band_names, settings.convention.coordinates, settings.frame_id
+        )
+        with qos.overrides_in_one_line():
+            self._advertise(muscle.name)
 
     def _advertise(self, muscle: str) -> None:
         """Create the output topics, named after the muscle, unless they are there already."""
@@ -101,24 +114,19 @@ class MuscleStatePublisher(Node):
         if getattr(self, '_prefix', None) == muscle:
             return
         if hasattr(self, '_prefix'):
-            for publisher in self._outputs:
+            for publisher in self._outputs.values():
                 self.destroy_publisher(publisher)
         self._prefix = muscle
-        self._outputs = [
-            self.create_publisher(
+        self._outputs = {
+            name: self.create_publisher(
                 kind,
-                f'{muscle}/{topic}',
-                MARKERS_QOS if kind is MarkerArray else OUTPUT_QOS,
-                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+                f'{muscle}/{name}',
+                qos.markers() if name == 'markers' else qos.answers(),
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+                qos_overriding_options=qos.overridable(),
             )
-            for topic, kind in (
-                ('band_lengths', Float64MultiArray),
-                ('moment_arms', Float64MultiArray),
-                ('band_states', JointState),
-                ('wrap_states', UInt8MultiArray),
-                ('markers', MarkerArray),
-            )
-        ]
+            for name, kind in OUTPUTS.items()
+        }
 
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         """Accept a batch of parameter changes if the whole of it can be worked with."""
@@ -146,7 +154,6 @@ class MuscleStatePublisher(Node):
         tally = self._tally
         tally.received += 1
         tally.last_arrival = start
-        settings = self._settings
         try:
             angles, speeds, warning = self._memory.take(
                 message.name, message.position, message.velocity
@@ -164,23 +171,20 @@ class MuscleStatePublisher(Node):
         tally.solve_times.append(perf_counter() - start)
         arms = state.moment_vectors @ axes
         stamp = message.header.stamp
-        names = settings.solver.muscle.band_names
         lengthening = None if speeds is None else -arms @ speeds
-        lengths_out, arms_out, states_out, wrap_out, markers_out = self._outputs
-        lengths_out.publish(float_array(self._bands_layout, state.lengths))
-        arms_out.publish(float_array(self._arms_layout, arms))
-        states_out.publish(band_states(stamp, settings.frame_id, names, state.lengths, lengthening))
-        wrap_out.publish(byte_array(self._bands_layout, state.wrap))
-        if self._markers_due(stamp):
-            if not self._cleared:
-                markers_out.publish(self._markers.clear(stamp))
-                self._cleared = True
-            markers_out.publish(self._markers.at(state, stamp))
+        outputs = self._outputs
+        for name, answer in self._answers.at(stamp, state, arms, lengthening).items():
+            outputs[name].publish(answer)
+        if outputs['markers'].get_subscription_count() and self._pace.due(
+            stamp.sec + 1e-9 * stamp.nanosec, start
+        ):
+            self._show(state, stamp)
         tally.answered += 1
-        tally.last_state = state
+        tally.near_singular += sine_of_singularity(axes) < NEAR_SINGULAR
+        tally.last_state, self._last_stamp = state, stamp
         tally.callback_times.append(perf_counter() - start)
 
-    def _solve(self, angles: Floats) -> tuple[MuscleState, Floats]:
+    def _solve(self, angles: Three) -> tuple[MuscleState, Floats]:
         """Return the muscle's state and the coordinates' axes at three angles."""
         solver = self._settings.solver
         rotation, axes = self._settings.convention.rotation_and_axes(angles, solver.side)
@@ -189,22 +193,32 @@ class MuscleStatePublisher(Node):
         except ValueError as error:
             raise Rejected('no_plane', str(error)) from None
 
-    def _markers_due(self, stamp: Time) -> bool:
-        """Return whether markers are wanted and their rate, by the input's stamps, allows them.
+    def _show(self, state: MuscleState, stamp: Time) -> None:
+        """Publish the markers of a state; before the first, remove any that were there."""
+        if not self._settings.markers_enabled:
+            return
+        if not self._cleared:
+            self._outputs['markers'].publish(self._markers.clear(stamp))
+            self._cleared = True
+        self._outputs['markers'].publish(self._markers.at(state, stamp))
 
-        Time that jumps backwards starts anew. An input without stamps is limited by its arrival.
-        """
-        settings = self._settings
-        if not settings.markers_enabled or not self._outputs[-1].get_subscription_count():
-            return False
-        now = stamp.sec + 1e-9 * stamp.nanosec or perf_counter()
-        passed = now - self._last_markers
-        if settings.markers_rate and 0.0 <= passed < 1.0 / settings.markers_rate - 1e-6:
-            return False
-        self._last_markers = now
-        return True
+    def _show_again(self) -> None:
+        """Show the newest state to new viewers if no input is coming (a paused recording)."""
+        viewers, before = self._outputs['markers'].get_subscription_count(), self._viewers
+        self._viewers = viewers
+        state, arrival = self._tally.last_state, self._tally.last_arrival
+        if viewers > before and state and arrival and perf_counter() - arrival > 0.5:
+            self._show(state, self._last_stamp)
 
     def _report(self) -> None:
+        """Once a second: tell of peers that do not fit, new viewers, and the diagnostics."""
+        ends = (self._input, *self._outputs.values())
+        lines = [line for end in ends for line in qos.misfits(self, end)]
+        for line in lines:
+            if line not in self._tally.misfits:
+                self.get_logger().warning(line)
+        self._tally.misfits = lines
+        self._show_again()
         settings = self._settings
         muscle = settings.solver.muscle.name
         facts = {
@@ -235,6 +249,8 @@ def main(args: list[str] | None = None) -> None:
         executor = SingleThreadedExecutor()  # now: making one fails noisily after a signal
         node = MuscleStatePublisher()
         executor.add_node(node)
+        gc.collect()
+        gc.freeze()  # what is loaded by now stays: to look through it again takes tens of ms
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

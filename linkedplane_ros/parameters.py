@@ -12,10 +12,10 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from .conventions import JOINT_CONVENTIONS, JointConvention
+from .conventions import JOINT_CONVENTIONS, SIDES, JointConvention
 from .joint_input import JointMap
 from .model import BroadMuscle
-from .solver import SIDES, LinkedPlaneSolver
+from .solver import LinkedPlaneSolver
 
 Value = str | bool | int | float | list[str] | list[float]
 
@@ -163,6 +163,7 @@ class Settings:
             )
         if not checked['frame_id']:
             raise ValueError("parameter frame_id: '' given, the name of a frame expected")
+        convention.rotation((0.0, 0.0, 0.0))  # compiled before it is needed, as the solver is
         muscle = BroadMuscle.load(checked['muscle'])
         return Settings(
             solver=LinkedPlaneSolver(muscle, checked['side']),

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from .band import CLEAR, INSIDE, MISSED, WRAPPED
 from .compiled import COMPILED
+from .conventions import SIDES
 from .kernels import (
     NO_PLANE,
     NOT_FINITE,
@@ -35,7 +36,6 @@ from .model import BroadMuscle
 
 Floats = npt.NDArray[np.float64]
 
-SIDES = ('right', 'left')
 MIRROR = np.array([-1.0, 1.0, 1.0])  # x -> -x: points and other true vectors
 TURN_MIRROR = -MIRROR  # rotations and moments keep x and change y and z
 PARALLEL_FROM = 512  # poses: below this, threads cost more than they give
@@ -279,6 +279,8 @@ def flat(muscle: BroadMuscle) -> Any:
 
 def numbers(name: str, values: npt.ArrayLike, expected: str) -> Floats:
     """Return a copy of values as an array of floats; ValueError if they are no such thing."""
+    if isinstance(values, np.ndarray) and values.dtype == np.float64:
+        return values.copy()
     try:
         array = np.asarray(values)
         if array.dtype.kind in 'fiu' or array.size == 0:

@@ -1,14 +1,21 @@
 """What all tests share: a ROS domain of this process's own, the recordings, a clean /dev/shm."""
 
+from __future__ import annotations
+
 import fcntl
 import os
 import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from ros_harness import Peer
+
+    from linkedplane_ros.node import MuscleStatePublisher
 
 SHARED_MEMORY = Path('/dev/shm')
 SEGMENT = re.compile(r'fastrtps_[0-9a-f]{16}')  # Fast DDS; each has a lock file beside it, .._el
@@ -45,6 +52,40 @@ os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_LOG_DIR'] = LOGS.name
+
+
+@pytest.fixture(scope='module')
+def ros() -> Iterator[None]:
+    """Initialise ROS in this process."""
+    import rclpy
+
+    rclpy.init()
+    yield
+    rclpy.try_shutdown()
+
+
+@pytest.fixture
+def peer(ros: None) -> Iterator[Peer]:
+    """Read and feed the node."""
+    from ros_harness import Peer
+
+    made = Peer()
+    yield made
+    made.destroy_node()
+
+
+@pytest.fixture
+def node(peer: Peer) -> Iterator[MuscleStatePublisher]:
+    """Run the node in this process, beside its peer."""
+    from ros_harness import together
+
+    from linkedplane_ros.node import MuscleStatePublisher
+
+    made = MuscleStatePublisher()
+    with together(peer, made):
+        peer.connect()
+        yield made
+    made.destroy_node()
 
 
 @pytest.fixture(scope='session')

@@ -7,7 +7,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ TOPICS = {
     'moment_arms': Float64MultiArray,
     'band_states': JointState,
     'wrap_states': UInt8MultiArray,
+    'moment_vectors': Float64MultiArray,
     'markers': MarkerArray,
 }
 ANSWERS = tuple(topic for topic in TOPICS if topic != 'markers')
@@ -53,6 +55,17 @@ class NodeProcess:
             self.process.send_signal(how)
         return self.process.wait(PATIENCE)
 
+    def __enter__(self) -> NodeProcess:
+        """Run."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """End it, whatever has happened; if all was well, so is its end."""
+        status = self.stop()
+        if kind is None:
+            assert status == 0, self.text
+            assert 'Traceback' not in self.text
+
     @property
     def text(self) -> str:
         """All that it has written."""
@@ -62,13 +75,23 @@ class NodeProcess:
 class Peer(Node):
     """Publishes joint states and keeps every message that the muscle node publishes."""
 
-    def __init__(self, prefix: str = 'deltoid', context: Any = None, raw: bool = False) -> None:
-        """Subscribe everything, deep enough to lose nothing; markers unread (bytes) if `raw`."""
+    def __init__(
+        self,
+        prefix: str = 'deltoid',
+        context: Any = None,
+        raw: bool = False,
+        topic: str = 'joint_states',
+        viewer: bool = True,
+    ) -> None:
+        """Subscribe everything, deep enough to lose nothing; markers unread (bytes) if `raw`.
+
+        A peer that is no viewer leaves the markers alone.
+        """
         super().__init__('test_peer', context=context)
         qos = QoSProfile(depth=20000)
         self.got: dict[str, list[Any]] = {topic: [] for topic in TOPICS}
         self.diagnostics: list[DiagnosticArray] = []
-        self.publisher = self.create_publisher(JointState, 'joint_states', qos)
+        self.publisher = self.create_publisher(JointState, topic, qos)
         self.readers = [
             self.create_subscription(
                 kind,
@@ -78,6 +101,7 @@ class Peer(Node):
                 raw=raw and topic == 'markers',
             )
             for topic, kind in TOPICS.items()
+            if viewer or topic != 'markers'
         ]
         self.executor_of_its_own = SingleThreadedExecutor(context=context)
         self.executor_of_its_own.add_node(self)
@@ -130,3 +154,13 @@ class Peer(Node):
     def values(self) -> dict[str, str]:
         """The newest diagnostics of the muscle node."""
         return {item.key: item.value for item in self.diagnostics[-1].status[0].values}
+
+
+@contextmanager
+def together(peer: Peer, *nodes: Node) -> Iterator[None]:
+    """Let nodes of this process work together with a peer."""
+    for node in nodes:
+        peer.executor_of_its_own.add_node(node)
+    yield
+    for node in nodes:
+        peer.executor_of_its_own.remove_node(node)

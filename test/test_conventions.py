@@ -11,6 +11,7 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import JOINT_CONVENTIONS
+from linkedplane_ros.conventions import sine_of_singularity
 
 EXACT = 1e-12  # entries of a rotation matrix: rounding of a few products
 ELEVATING = ('isb_yxy', 'opensim_tsm', 'opensim_mobl', 'rep155')
@@ -259,13 +260,14 @@ def test_the_plane_of_mobl_leaves_the_hanging_arm_alone() -> None:
 def test_the_sine_of_singularity_is_zero_where_two_axes_are_one() -> None:
     for name in ELEVATING:
         convention = JOINT_CONVENTIONS[name]
-        at_side = convention.sine_of_singularity([0.3, 0.0, 0.2])
+        at_side = sine_of_singularity(convention.axes([0.3, 0.0, 0.2]))
         assert at_side < (0.11 if name == 'opensim_tsm' else EXACT)
         axes = convention.axes([0.3, 1.0, 0.2])
         third = axes[:, 2]
         expected = np.linalg.norm(np.cross(SUPERIOR, third))
-        found = convention.sine_of_singularity([0.3, 1.0, 0.2])
-        assert found == pytest.approx(expected, abs=EXACT)
+        for side in ('right', 'left'):
+            found = sine_of_singularity(convention.axes([0.3, 1.0, 0.2], side))
+            assert found == pytest.approx(expected, abs=EXACT)
 
 
 @pytest.mark.parametrize('name', NAMES)
@@ -274,7 +276,7 @@ def test_the_sine_of_singularity_is_zero_where_two_axes_are_one() -> None:
 )
 def test_wrong_angles_are_refused(name: str, angles: object) -> None:
     convention = JOINT_CONVENTIONS[name]
-    for use in (convention.rotation, convention.axes, convention.sine_of_singularity):
+    for use in (convention.rotation, convention.axes):
         with pytest.raises(ValueError, match=r'angles: .*3 finite numbers in rad expected'):
             use(angles)
 
@@ -320,5 +322,5 @@ def test_recorded_motion_comes_back(recording: str, name: str, shared: Path) -> 
         R = convention.rotation(angles)
         found = convention.angles(R)
         np.testing.assert_allclose(convention.rotation(found), R, atol=EXACT)
-        if convention.sine_of_singularity(angles) > 0.2:
+        if sine_of_singularity(convention.axes(angles)) > 0.2:
             assert same_turn(found, angles)

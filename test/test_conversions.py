@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,9 @@ import pytest
 from builtin_interfaces.msg import Time
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.conversions import band_states, byte_array, float_array, layout
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, MuscleState
+from linkedplane_ros.conversions import Answers, layout
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 SOLVER = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
@@ -28,13 +28,20 @@ def received(message: Any) -> Any:
     return deserialize_message(serialize_message(message), type(message))
 
 
+def answers(
+    state: MuscleState = STATE, arms: np.ndarray = ARMS, lengthening: np.ndarray | None = None
+) -> Mapping[str, Any]:
+    """Return the answers at a state."""
+    return Answers(BANDS, THESIS.coordinates, 'scapula').at(STAMP, state, arms, lengthening)
+
+
 def test_the_messages_check_their_fields_in_these_tests() -> None:
     with pytest.raises(AssertionError):
         JointState(name=[1])
 
 
 def test_a_layout_names_its_dimensions_and_has_the_strides_of_multi_array_layout() -> None:
-    form = layout(('band', BANDS), ('coordinate', THESIS.coordinates))
+    form = answers()['moment_arms'].layout
     assert [dim.label for dim in form.dim] == [
         'band:anterior_1,anterior_2,anterior_3,middle_1,middle_2,middle_3,'
         'posterior_1,posterior_2,posterior_3',
@@ -54,50 +61,50 @@ def test_the_stride_of_a_dimension_is_the_number_of_values_from_it_inwards(
 
 
 def test_every_value_lies_where_the_strides_say() -> None:
-    message = received(float_array(layout(('band', BANDS), ('coordinate', 'xyz')), ARMS))
-    inner = message.layout.dim[1].stride
-    for i in range(9):
-        for j in range(3):
-            assert message.data[message.layout.data_offset + inner * i + j] == ARMS[i, j]
-    assert len(message.data) == message.layout.dim[0].stride
+    for topic, values in (('moment_arms', ARMS), ('moment_vectors', STATE.moment_vectors)):
+        message = received(answers()[topic])
+        inner = message.layout.dim[1].stride
+        for i in range(9):
+            for j in range(3):
+                assert message.data[message.layout.data_offset + inner * i + j] == values[i, j]
+        assert len(message.data) == message.layout.dim[0].stride
 
 
-@pytest.mark.parametrize('values', [np.asfortranarray(ARMS), ARMS.T.copy().T, ARMS[::-1, ::-1]])
-def test_data_are_row_major_however_the_array_lies_in_memory(values: np.ndarray) -> None:
-    assert not values.flags.c_contiguous
-    message = float_array(layout(('band', BANDS), ('coordinate', 'xyz')), values)
-    assert message.data.tolist() == values.ravel(order='C').tolist()
+@pytest.mark.parametrize('arms', [np.asfortranarray(ARMS), ARMS.T.copy().T, ARMS[::-1, ::-1]])
+def test_data_are_row_major_however_the_array_lies_in_memory(arms: np.ndarray) -> None:
+    assert not arms.flags.c_contiguous
+    assert answers(arms=arms)['moment_arms'].data.tolist() == arms.ravel(order='C').tolist()
 
 
 def test_an_array_comes_out_of_the_middleware_to_the_bit() -> None:
-    lengths = received(float_array(layout(('band', BANDS)), STATE.lengths))
-    assert isinstance(lengths, Float64MultiArray)
+    lengths = received(answers()['band_lengths'])
     assert lengths.data.typecode == 'd'
     assert lengths.data.tolist() == STATE.lengths.tolist()
     assert [(dim.size, dim.stride) for dim in lengths.layout.dim] == [(9, 9)]
 
 
 def test_wrap_states_come_out_of_the_middleware_as_bytes() -> None:
-    message = received(byte_array(layout(('band', BANDS)), STATE.wrap))
-    assert isinstance(message, UInt8MultiArray)
+    message = received(answers()['wrap_states'])
     assert message.data.typecode == 'B'
     assert message.data.tolist() == STATE.wrap.tolist()
     assert message.layout.dim[0].label == 'band:' + ','.join(BANDS)
 
 
-def test_the_bands_of_a_state_in_a_batch_convert_as_those_of_a_single_one() -> None:
+def test_the_axes_of_the_moment_vectors_are_named() -> None:
+    labels = [dim.label for dim in answers()['moment_vectors'].layout.dim]
+    assert labels == ['band:' + ','.join(BANDS), 'axis:x,y,z']
+
+
+def test_a_state_of_a_batch_converts_as_a_single_one() -> None:
     poses = [THESIS.rotation(angles) for angles in (ANGLES, -ANGLES)]
     for state in SOLVER.solve_batch(np.array(poses)):
         alone = SOLVER.solve(state.rotation)
-        form = layout(('band', BANDS))
-        assert float_array(form, state.lengths) == float_array(form, alone.lengths)
-        assert byte_array(form, state.wrap) == byte_array(form, alone.wrap)
+        assert answers(state) == answers(alone)
 
 
 def test_bands_are_joints_with_lengths_as_positions_and_lengthening_as_velocities() -> None:
     speeds = -ARMS @ np.array((0.1, 1.0, 0.2))
-    message = received(band_states(STAMP, 'scapula', BANDS, STATE.lengths, speeds))
-    assert isinstance(message, JointState)
+    message = received(answers(lengthening=speeds)['band_states'])
     assert message.header.stamp == STAMP
     assert message.header.frame_id == 'scapula'
     assert message.name == list(BANDS)
@@ -106,8 +113,17 @@ def test_bands_are_joints_with_lengths_as_positions_and_lengthening_as_velocitie
     assert len(message.effort) == 0
 
 
-def test_without_speeds_the_velocity_is_empty() -> None:
-    message = received(band_states(STAMP, 'scapula', BANDS, STATE.lengths, None))
+def test_without_speeds_the_velocity_is_empty_though_the_last_ones_was_not() -> None:
+    made = Answers(BANDS, THESIS.coordinates, 'scapula')
+    assert len(made.at(STAMP, STATE, ARMS, STATE.lengths)['band_states'].velocity) == 9
+    message = received(made.at(STAMP, STATE, ARMS, None)['band_states'])
     assert message.position.tolist() == STATE.lengths.tolist()
     assert len(message.velocity) == 0
-    assert len(message.effort) == 0
+
+
+def test_the_same_messages_are_filled_in_from_state_to_state() -> None:
+    made = Answers(BANDS, THESIS.coordinates, 'scapula')
+    first = {topic: id(message) for topic, message in made.at(STAMP, STATE, ARMS, None).items()}
+    assert {
+        topic: id(message) for topic, message in made.at(STAMP, STATE, ARMS, None).items()
+    } == first

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
-import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.parameter import Parameter
 from ros_harness import Peer
+from sensor_msgs.msg import JointState
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.diagnostics import STALE_AFTER, TIMED, Tally, diagnostics, milliseconds
@@ -79,6 +79,25 @@ def test_rejected_input_warns_once_and_says_why() -> None:
     assert tally.level(NOW)[0] == OK
 
 
+def test_near_the_singularity_the_line_says_so_and_the_level_stays() -> None:
+    tally = heard(answered=5)
+    tally.near_singular = 3
+    assert tally.level(NOW) == (
+        OK,
+        'answering; 3 near the singularity: two moment arms say nearly the same, use the moment '
+        'vectors',
+    )
+    assert tally.level(NOW) == (OK, 'answering')
+    assert told(tally)['answers near the singularity'] == '3'
+
+
+def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
+    tally = heard(answered=5)
+    tally.misfits = ['nothing comes from lab']
+    assert tally.level(NOW) == (WARN, 'nothing comes from lab')
+    assert Tally(misfits=['nothing comes from lab']).level(NOW)[1] == 'nothing comes from lab'
+
+
 def test_a_status_has_what_it_was_given_and_every_counter() -> None:
     tally = heard(answered=5, rejected=2)
     array = diagnostics(tally, 'node: deltoid', 'deltoid, right', Time(sec=5), NOW, {'side': 'any'})
@@ -143,33 +162,6 @@ def test_the_last_state_is_told_as_theta_and_how_the_bands_lie() -> None:
     counts = [int(values[f'bands {wrap}']) for wrap in ('wrapped', 'clear', 'missed', 'inside')]
     assert counts == [int((state.wrap == wrap).sum()) for wrap in range(4)]
     assert sum(counts) == 9
-
-
-@pytest.fixture(scope='module')
-def ros() -> Iterator[None]:
-    """Initialise ROS in this process."""
-    rclpy.init()
-    yield
-    rclpy.try_shutdown()
-
-
-@pytest.fixture
-def peer(ros: None) -> Iterator[Peer]:
-    """Read and feed the node, and let it work."""
-    node = Peer()
-    yield node
-    node.destroy_node()
-
-
-@pytest.fixture
-def node(peer: Peer) -> Iterator[MuscleStatePublisher]:
-    """Run the node in this process, beside its peer."""
-    made = MuscleStatePublisher()
-    peer.executor_of_its_own.add_node(made)
-    peer.connect()
-    yield made
-    peer.executor_of_its_own.remove_node(made)
-    made.destroy_node()
 
 
 def level(peer: Peer) -> bytes:
@@ -244,3 +236,30 @@ def test_the_node_is_in_error_until_something_was_usable_then_ok_or_warning_then
     until(OK, NAMES, (0.0, 0.9, 0.0))
     until(STALE)
     assert 'no joint states for' in peer.diagnostics[-1].status[0].message
+
+
+@pytest.mark.parametrize(
+    ('convention', 'angles', 'near'),
+    [
+        ('isb_yxy', (0.3, 0.019, 0.1), True),
+        ('isb_yxy', (0.3, 0.021, 0.1), False),
+        ('opensim_mobl', (0.3, 0.019, 0.1), True),
+        ('opensim_mobl', (0.3, 0.021, 0.1), False),
+        ('rep155', (0.3, math.pi - 0.019, 0.1), True),
+        ('flexion_abduction_rotation', (0.3, 0.0, 0.1), False),
+        ('flexion_abduction_rotation', (0.3, 1.56, 0.1), True),
+    ],
+)
+@pytest.mark.parametrize('side', ['right', 'left'])
+def test_the_node_counts_answers_near_the_singularity(
+    ros: None, convention: str, angles: tuple[float, ...], near: bool, side: str
+) -> None:
+    given = {'joint_convention': convention, 'side': side}
+    made = MuscleStatePublisher(
+        parameter_overrides=[Parameter(name, value=value) for name, value in given.items()]
+    )
+    names = made._settings.convention.coordinates
+    made._answer(JointState(name=names, position=angles))
+    counts = made._tally.answered, made._tally.near_singular
+    made.destroy_node()
+    assert counts == (1, int(near))

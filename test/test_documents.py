@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
+from builtin_interfaces.msg import Time
 
-from linkedplane_ros import JOINT_CONVENTIONS
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.markers import MuscleMarkers
+from linkedplane_ros.node import OUTPUTS
 from linkedplane_ros.parameters import SPECS, markdown
 
 TOP = Path(__file__).parent.parent
@@ -40,9 +45,61 @@ def test_the_parameter_file_has_the_defaults() -> None:
     assert given == {spec.name: spec.default for spec in SPECS if spec.name != 'joint_names'}
 
 
+NAMESPACES = {'attachments', 'bands', 'bones', 'obstacle_spheres'}
+
+
+def markers_displays(name: str) -> tuple[list[dict], dict]:
+    """Return the marker displays of an RViz configuration, and its global options."""
+    rviz = yaml.safe_load((TOP / 'config' / name).read_text())['Visualization Manager']
+    displays = [d for d in rviz['Displays'] if d['Class'].endswith('/MarkerArray')]
+    return displays, rviz['Global Options']
+
+
+def test_the_namespaces_of_the_markers_are_these() -> None:
+    muscle = BroadMuscle.load('deltoid')
+    state = LinkedPlaneSolver(muscle).solve(np.eye(3))
+    markers = MuscleMarkers(muscle, 'scapula', 2).at(state, Time()).markers
+    assert {marker.ns for marker in markers} == NAMESPACES
+
+
 def test_rviz_is_set_to_the_topic_and_frame_of_the_node() -> None:
-    rviz = yaml.safe_load((TOP / 'config' / 'deltoid.rviz').read_text())['Visualization Manager']
-    display = next(d for d in rviz['Displays'] if d['Class'].endswith('/MarkerArray'))
+    [display], options = markers_displays('deltoid.rviz')
     assert display['Topic']['Value'] == '/deltoid/markers'
-    assert set(display['Namespaces']) == {'attachments', 'bands', 'bones', 'obstacle_spheres'}
-    assert rviz['Global Options']['Fixed Frame'] == 'scapula'
+    assert set(display['Namespaces']) == NAMESPACES
+    assert options['Fixed Frame'] == 'scapula'
+    for display in markers_displays('both_shoulders.rviz')[0]:
+        assert set(display['Namespaces']) == NAMESPACES
+
+
+def test_foxglove_is_set_to_topics_namespaces_and_values_that_exist() -> None:
+    layout = json.loads((TOP / 'config' / 'deltoid_foxglove.json').read_text())
+    panels = layout['configById']
+    scene = panels['3D!muscle']
+    assert set(scene['topics']) == {'/deltoid/markers'}
+    assert set(scene['topics']['/deltoid/markers']['namespaces']) == NAMESPACES
+    assert scene['followTf'] == 'scapula'
+    names = BroadMuscle.load('deltoid').band_names
+    lengths = [path['value'] for path in panels['Plot!lengths']['paths']]
+    assert lengths == [f'/deltoid/band_states.position[{i}]' for i in range(9)]
+    for j, place in enumerate(('first', 'second', 'third')):
+        arms = [path['value'] for path in panels[f'Plot!moment_arms_{place}']['paths']]
+        assert arms == [f'/deltoid/moment_arms.data[{3 * i + j}]' for i in range(9)]
+    for name, panel in panels.items():
+        if name.startswith('Plot!'):
+            assert tuple(path['label'] for path in panel['paths']) == names
+    assert {'markers', 'band_states', 'moment_arms'} <= set(OUTPUTS)
+    assert panels['DiagnosticSummary!node']['topicToRender'] == '/diagnostics'
+
+
+def test_every_foxglove_panel_stands_in_the_layout_once() -> None:
+    layout = json.loads((TOP / 'config' / 'deltoid_foxglove.json').read_text())
+
+    def leaves(tree: dict | str) -> list[str]:
+        return [tree] if isinstance(tree, str) else leaves(tree['first']) + leaves(tree['second'])
+
+    assert sorted(leaves(layout['layout'])) == sorted(layout['configById'])
+
+
+@pytest.mark.parametrize('topic', OUTPUTS)
+def test_the_readme_has_every_topic(topic: str) -> None:
+    assert f'`deltoid/{topic}`' in README

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import rclpy
 import yaml
 from ros_harness import ANSWERS, TOPICS, NodeProcess, Peer
 from sensor_msgs.msg import JointState
@@ -21,22 +20,6 @@ from linkedplane_ros.recordings import Recording
 EXACT = 1e-12  # m: the node computes what the solver computes
 NAMES = ('flexion', 'abduction', 'rotation')
 EXAMPLES = Path(__file__).parent.parent / 'msg_examples'
-
-
-@pytest.fixture(scope='module')
-def ros() -> Iterator[None]:
-    """Initialise ROS in this process."""
-    rclpy.init()
-    yield
-    rclpy.try_shutdown()
-
-
-@pytest.fixture
-def peer(ros: None) -> Iterator[Peer]:
-    """Read and feed the node."""
-    node = Peer()
-    yield node
-    node.destroy_node()
 
 
 @pytest.fixture
@@ -59,13 +42,13 @@ def recorded(path: Path) -> list[JointState]:
 
 
 def expected(message: JointState, convention_name: str, names: tuple[str, ...] = ()) -> np.ndarray:
-    """Return lengths and moment arms (n, 4) of the pure solver for a message."""
+    """Return lengths, moment arms and moment vectors (n, 7) of the pure solver for a message."""
     convention = JOINT_CONVENTIONS[convention_name]
     position = dict(zip(message.name, message.position, strict=True))
     angles = np.array([position[name] for name in names or convention.coordinates])
     state = SOLVER.solve(convention.rotation(angles))
     arms = state.moment_vectors @ convention.axes(angles)
-    return np.column_stack([state.lengths, arms])
+    return np.column_stack([state.lengths, arms, state.moment_vectors])
 
 
 SOLVER = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
@@ -76,11 +59,12 @@ def check_answers(peer: Peer, inputs: list[JointState], convention: str, names=(
     assert peer.counts() == dict.fromkeys(ANSWERS, len(inputs))
     for k, message in enumerate(inputs):
         want = expected(message, convention, names)
-        lengths, arms, state, wrap = (peer.got[topic][k] for topic in ANSWERS)
+        lengths, arms, state, wrap, vectors = (peer.got[topic][k] for topic in ANSWERS)
         assert state.header.stamp == message.header.stamp
         assert np.abs(np.array(lengths.data) - want[:, 0]).max() <= EXACT
         assert np.abs(np.array(state.position) - want[:, 0]).max() <= EXACT
-        assert np.abs(np.array(arms.data).reshape(-1, 3) - want[:, 1:]).max() <= EXACT
+        assert np.abs(np.array(arms.data).reshape(-1, 3) - want[:, 1:4]).max() <= EXACT
+        assert np.abs(np.array(vectors.data).reshape(-1, 3) - want[:, 4:]).max() <= EXACT
         assert len(wrap.data) == len(want)
 
 
@@ -219,10 +203,11 @@ def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, n
         assert peer.answers(1)
     finally:
         assert process.stop() == 0
-    lengths, arms, state, wrap = (peer.got[topic][0] for topic in ANSWERS)
+    lengths, arms, state, wrap, vectors = (peer.got[topic][0] for topic in ANSWERS)
     rounding = 1e-11  # m: the files hold twelve decimals
     assert lengths.layout.dim[0].label == 'band:' + ','.join(want['bands'])
     assert arms.layout.dim[1].label == 'coordinate:' + ','.join(want['coordinates'])
+    assert [dim.label for dim in vectors.layout.dim] == [lengths.layout.dim[0].label, 'axis:x,y,z']
     assert np.allclose(lengths.data, want['band_lengths'], rtol=0, atol=rounding)
     assert np.allclose(
         np.array(arms.data).reshape(-1, 3), want['moment_arms'], rtol=0, atol=rounding
@@ -239,7 +224,7 @@ def test_the_topics_and_their_types_are_those_promised(node: NodeProcess, peer: 
     assert found['/deltoid/wrap_states'] == ['std_msgs/msg/UInt8MultiArray']
     assert found['/deltoid/markers'] == ['visualization_msgs/msg/MarkerArray']
     assert found['/diagnostics'] == ['diagnostic_msgs/msg/DiagnosticArray']
-    for topic in ('band_lengths', 'moment_arms'):
+    for topic in ('band_lengths', 'moment_arms', 'moment_vectors'):
         assert found[f'/deltoid/{topic}'] == ['std_msgs/msg/Float64MultiArray']
     assert set(TOPICS) <= {name.rpartition('/')[2] for name in found}
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import rclpy
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.parameter import Parameter
 from ros_harness import Peer
@@ -133,14 +132,6 @@ def test_no_joint_names_means_the_names_of_the_conventions_coordinates(
 def test_joint_names_are_taken_in_the_conventions_order() -> None:
     names = ['c', 'a', 'b']
     assert Settings.from_values({**DEFAULTS, 'joint_names': names}).joints.names == tuple(names)
-
-
-@pytest.fixture(scope='module')
-def ros() -> Iterator[None]:
-    """Initialise ROS in this process."""
-    rclpy.init()
-    yield
-    rclpy.try_shutdown()
 
 
 @pytest.fixture

@@ -1,0 +1,65 @@
+"""A node that answers every joint state with the same messages as ours, and solves nothing.
+
+What it takes is what any node in Python takes; what ours takes beyond it is the muscle.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from time import perf_counter
+
+import numpy as np
+
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ros_environment
+
+ros_environment.prepare()
+
+import rclpy  # noqa: E402
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor  # noqa: E402
+from rclpy.node import Node  # noqa: E402
+from sensor_msgs.msg import JointState  # noqa: E402
+
+from linkedplane_ros import qos  # noqa: E402
+from linkedplane_ros.conversions import Answers  # noqa: E402
+from linkedplane_ros.markers import MuscleMarkers, Pace  # noqa: E402
+from linkedplane_ros.node import OUTPUTS  # noqa: E402
+
+
+class PassThrough(Node):
+    """Publishes one and the same muscle state for every joint state."""
+
+    def __init__(self) -> None:
+        """Solve once, for good."""
+        super().__init__('pass_through')
+        muscle = BroadMuscle.load('deltoid')
+        self.state = LinkedPlaneSolver(muscle).solve(np.eye(3))
+        self.markers = MuscleMarkers(muscle, 'scapula', 16)
+        self.pace = Pace(30.0)
+        self.answers = Answers(muscle.band_names, ('x', 'y', 'z'), 'scapula')
+        self.outputs = {
+            name: self.create_publisher(
+                kind, f'deltoid/{name}', qos.markers() if name == 'markers' else qos.answers()
+            )
+            for name, kind in OUTPUTS.items()
+        }
+        self.create_subscription(JointState, 'joint_states', self.answer, qos.joint_states())
+
+    def answer(self, message: JointState) -> None:
+        """Publish what there is."""
+        state, outputs, stamp = self.state, self.outputs, message.header.stamp
+        for name, answer in self.answers.at(
+            stamp, state, state.moment_vectors, state.lengths
+        ).items():
+            outputs[name].publish(answer)
+        if outputs['markers'].get_subscription_count() and self.pace.due(
+            stamp.sec + 1e-9 * stamp.nanosec, perf_counter()
+        ):
+            outputs['markers'].publish(self.markers.at(state, stamp))
+
+
+if __name__ == '__main__':
+    rclpy.init()
+    executor = SingleThreadedExecutor()
+    executor.add_node(PassThrough())
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        executor.spin()

@@ -1,0 +1,74 @@
+"""Both deltoids, each in a namespace of its own, `left` and `right`, on one torso."""
+
+from launch.actions import DeclareLaunchArgument, GroupAction, IncludeLaunchDescription
+from launch.conditions import IfCondition
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
+
+ARGUMENTS = (
+    ('joint_convention', 'flexion_abduction_rotation', 'What the angles mean (README).'),
+    ('left_joint_states', 'joint_states', 'The topic of the left arm, in its namespace.'),
+    ('right_joint_states', 'joint_states', 'The topic of the right arm, in its namespace.'),
+    ('left_joint_names', "['']", "The left arm's three joints; by default the convention's."),
+    ('right_joint_names', "['']", "The right arm's three joints; by default the convention's."),
+    ('use_sim_time', 'false', 'Take the time from /clock, as of a recording played with --clock.'),
+    ('parent_frame', 'torso', 'What the scapulae hang on: x forward, y left, z up (REP 103).'),
+    ('left_y', '0.17', 'The left glenohumeral centre in the parent frame, m to the left.'),
+    ('right_y', '-0.17', 'The right glenohumeral centre in the parent frame, m to the left.'),
+    ('rviz', 'false', 'Show both muscles in RViz.'),
+)
+BODY_RIGHT = '-1.5707963267948966'  # rad: the scapula's x to the body's right, y forward
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return what to start."""
+    value = {name: LaunchConfiguration(name) for name, _, _ in ARGUMENTS}
+    share = FindPackageShare('linkedplane_ros')
+    source = PythonLaunchDescriptionSource(
+        PathJoinSubstitution([share, 'launch', 'deltoid.launch.py'])
+    )
+    shoulders = [
+        GroupAction(
+            [
+                IncludeLaunchDescription(
+                    source,
+                    launch_arguments={
+                        'side': side,
+                        'namespace': side,
+                        'frame_id': f'{side}_scapula',
+                        'joint_convention': value['joint_convention'],
+                        'joint_states': value[f'{side}_joint_states'],
+                        'joint_names': value[f'{side}_joint_names'],
+                        'use_sim_time': value['use_sim_time'],
+                        'parent_frame': value['parent_frame'],
+                        'y': value[f'{side}_y'],
+                        'yaw': BODY_RIGHT,
+                        'rviz': 'false',
+                    }.items(),
+                )
+            ]
+        )
+        for side in ('left', 'right')
+    ]
+    return LaunchDescription(
+        [
+            *(
+                DeclareLaunchArgument(name, default_value=default, description=meaning)
+                for name, default, meaning in ARGUMENTS
+            ),
+            *shoulders,
+            Node(
+                package='rviz2',
+                executable='rviz2',
+                arguments=[
+                    '-d', PathJoinSubstitution([share, 'config', 'both_shoulders.rviz']),
+                    '-f', value['parent_frame'],
+                ],
+                condition=IfCondition(value['rviz']),
+            ),
+        ]
+    )  # fmt: skip
