@@ -1,4 +1,4 @@
-"""The command `linkedplane`: look at a model, solve a pose, play a recording.
+"""The command `linkedplane`: look at a model, solve a pose, play or process recordings.
 
 Exit status: 0 done, 1 the input is at fault (one line on stderr says what and where), 2 usage.
 """
@@ -11,8 +11,11 @@ import math
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from decimal import Decimal
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +23,9 @@ from . import __version__
 from .conventions import JOINT_CONVENTIONS, SIDES
 from .model import BroadMuscle
 from .solver import LinkedPlaneSolver, WrapState
+
+if TYPE_CHECKING:
+    from .process import Report, Task
 
 
 def info(args: argparse.Namespace) -> None:
@@ -123,6 +129,78 @@ def play(args: argparse.Namespace) -> None:
         rclpy.try_shutdown()
 
 
+def process(args: argparse.Namespace) -> None:
+    """Write recordings again, with the muscle's state beside the motion."""
+    from . import process as work
+
+    options = {
+        'kind': args.format,
+        'muscle': args.muscle,
+        'side': args.side,
+        'convention': args.convention,
+        'joints': tuple(args.joints or ()),
+        'signs': tuple(args.signs),
+        'offsets': tuple(args.offsets),
+        'degrees': True if args.degrees else None,
+        'topic': args.topic,
+        'frame_id': args.frame_id,
+        'rate': args.rate,
+        'lowpass': args.lowpass,
+        'force': args.force,
+    }
+    tasks = work.tasks([Path(each) for each in args.inputs], Path(args.out), **options)
+    if len(tasks) > 1 or tasks[0].target.parent == Path(args.out):
+        Path(args.out).mkdir(parents=True, exist_ok=True)
+    failed = 0
+    with bar(tasks) as advance:
+        for report in work.run_all(tasks, args.jobs, args.dask, advance):
+            failed += bool(report.fault)
+            tell(report)
+    if len(tasks) > 1:
+        print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {args.out}')
+    if failed:
+        raise SystemExit(1)
+
+
+def tell(report: Report) -> None:
+    """Print what has become of a recording: a line, and one for each kind of refused frame."""
+    task = report.task
+    if report.fault:
+        print(f'linkedplane: {report.fault}', file=sys.stderr)
+        return
+    refused = sum(report.refused.values())
+    rate = report.frames / max(report.seconds, 1e-9)
+    line = f'{task.source} -> {task.target}: {report.frames:,} frames, {rate:,.0f} a second'
+    if refused:
+        line += f', {refused:,} refused'
+    if report.outside:
+        line += f", {report.outside:,} outside the model's range of motion"
+    print(line)
+    for reason, count in report.refused.items():
+        print(f'  {count:,} refused as {reason}, first at {report.first[reason]}')
+
+
+@contextmanager
+def bar(tasks: Sequence[Task]) -> Iterator[Callable[[int], None]]:
+    """Show frames done while in the block, if a person looks on; give what counts them."""
+    try:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    except ImportError:
+        yield lambda frames: None
+        return
+    columns = (
+        TextColumn('processing'),
+        BarColumn(),
+        TextColumn('{task.completed:,.0f} frames'),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, transient=True, disable=not sys.stderr.isatty(),
+                  console=Console(stderr=True)) as shown:  # fmt: skip
+        number = shown.add_task('', total=None)
+        yield lambda frames: shown.advance(number, frames)
+
+
 def positive(text: str) -> float:
     """Return a number above zero, for argparse."""
     value = float(text)
@@ -136,6 +214,22 @@ def not_negative(text: str) -> float:
     value = float(text)
     if not 0.0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f'{text} given, a number >= 0 expected')
+    return value
+
+
+def sign(text: str) -> float:
+    """Return 1.0 or -1.0, for argparse."""
+    value = float(text)
+    if abs(value) != 1.0:
+        raise argparse.ArgumentTypeError(f'{text} given, 1 or -1 expected')
+    return value
+
+
+def counting(text: str) -> int:
+    """Return a whole number of one or more, for argparse."""
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f'{text} given, 1 or more expected')
     return value
 
 
@@ -176,6 +270,33 @@ def parser() -> argparse.ArgumentParser:
                      help='begin S seconds into the recording')  # fmt: skip
     one.add_argument('--wait', type=not_negative, default=10.0, metavar='S',
                      help='wait for a subscriber, S seconds at most (default 10)')  # fmt: skip
+
+    one = command('process', process)
+    one.add_argument('inputs', nargs='+', metavar='INPUT',
+                     help='bags, .mot, .sto or .csv files, or folders of them')  # fmt: skip
+    one.add_argument('out', metavar='OUT',
+                     help='a bag, .csv or .parquet; a folder for several inputs')  # fmt: skip
+    one.add_argument('--format', choices=('bag', 'csv', 'parquet'),
+                     help='of the output (default: by its ending; bag)')  # fmt: skip
+    one.add_argument('--convention', choices=tuple(JOINT_CONVENTIONS),
+                     default='flexion_abduction_rotation', help='what the angles mean')  # fmt: skip
+    one.add_argument('--joints', nargs=3, metavar='NAME',
+                     help="the three joints or columns (default: the convention's)")  # fmt: skip
+    one.add_argument('--signs', nargs=3, type=sign, default=(1.0, 1.0, 1.0), metavar='SIGN',
+                     help='angle = sign * recorded + offset')  # fmt: skip
+    one.add_argument('--offsets', nargs=3, type=float, default=(0.0, 0.0, 0.0), metavar='RAD')
+    one.add_argument('--degrees', action='store_true', help="the table's angles are in degrees")
+    one.add_argument('--topic', help="the bag's topic of joint states, where it has several")
+    one.add_argument('--side', choices=SIDES, default='right')
+    one.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
+    one.add_argument('--frame-id', default='scapula', help='the frame of the outputs')
+    one.add_argument('--rate', type=positive, metavar='HZ', help='resample the angles')
+    one.add_argument('--lowpass', type=positive, metavar='HZ',
+                     help='filter the angles first, without lag (Butterworth)')  # fmt: skip
+    one.add_argument('--force', action='store_true', help='replace an output that exists')
+    one.add_argument('--jobs', type=counting, default=1, metavar='N',
+                     help='recordings at a time (default 1)')  # fmt: skip
+    one.add_argument('--dask', metavar='ADDRESS', help='work on a Dask cluster')
     return top
 
 

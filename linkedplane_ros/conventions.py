@@ -71,6 +71,13 @@ class JointConvention:
         turn_in_sequence(self._units, self._mix, three(angles), rotation, axes)
         return rotation, axes * LEFT_AXES if side == 'left' else axes
 
+    def rotations_and_axes(self, angles: Floats, side: str = 'right') -> tuple[Floats, Floats]:
+        """Return `rotation` and `axes` (m, 3, 3) of many angles (m, 3), finite, rad."""
+        rotations, axes = np.empty((len(angles), 3, 3)), np.empty((len(angles), 3, 3))
+        for each, rotation, columns in zip(angles, rotations, axes, strict=True):
+            turn_in_sequence(self._units, self._mix, each, rotation, columns)
+        return rotations, axes * LEFT_AXES if side == 'left' else axes
+
     def _unmixed(self, turns: Floats) -> Floats:
         return np.asarray(np.linalg.solve(self._mix, turns), dtype=np.float64)
 

@@ -18,26 +18,18 @@ from std_msgs.msg import (
     UInt8MultiArray,
 )
 
+from .layouts import BAND, dimensions
 from .solver import MuscleState
 
 Floats = npt.NDArray[np.float64]
 
 
-def layout(*dimensions: tuple[str, Sequence[str]]) -> MultiArrayLayout:
-    """Return a row-major layout; each dimension's label is its kind and its names.
-
-    As in `band:anterior_1,anterior_2`, so that a recording explains itself. The stride of a
-    dimension is the number of values from it inwards (MultiArrayLayout.msg).
-    """
-    sizes = [len(names) for _, names in dimensions]
+def layout(*dims: tuple[str, Sequence[str]]) -> MultiArrayLayout:
+    """Return the row-major layout of these dimensions, as `layouts.dimensions`."""
     return MultiArrayLayout(
         dim=[
-            MultiArrayDimension(
-                label=f'{kind}:{",".join(names)}',
-                size=len(names),
-                stride=int(np.prod(sizes[i:])),
-            )
-            for i, (kind, names) in enumerate(dimensions)
+            MultiArrayDimension(label=label, size=size, stride=stride)
+            for label, size, stride in dimensions(*dims)
         ]
     )
 
@@ -47,7 +39,7 @@ class Answers:
 
     def __init__(self, bands: Sequence[str], coordinates: Sequence[str], frame_id: str) -> None:
         """Name the bands and the coordinates in the layouts."""
-        band = ('band', bands)
+        band = (BAND, bands)
         self._lengths = Float64MultiArray(layout=layout(band))
         self._arms = Float64MultiArray(layout=layout(band, ('coordinate', coordinates)))
         self._states = JointState(name=list(bands), header=Header(frame_id=frame_id))

@@ -69,6 +69,8 @@ class BroadMuscle:
     interference_radii: Floats
     """(k,)"""
     interference_names: tuple[str, ...]
+    range_of_motion: tuple[tuple[float, float], ...] | None = None
+    """Lowest and highest flexion, abduction and rotation that the model is for, rad."""
 
     @staticmethod
     def load(name: str | Path) -> BroadMuscle:
@@ -94,6 +96,29 @@ class BroadMuscle:
             reason = error.strerror if isinstance(error, OSError) else error
             raise ModelError(f'{path}: cannot be read: {reason}') from None
         return _read(text, content)
+
+    def outside(self, rotations: Floats) -> int:
+        """Return how many of the rotations (m, 3, 3) lie outside the range of motion.
+
+        A rotation has two triples of flexion, abduction and rotation: one within is enough.
+        """
+        if self.range_of_motion is None:
+            return 0
+        R = rotations
+        abduction = -np.arcsin(np.clip(R[:, 0, 2], -1.0, 1.0))
+        flexion = np.arctan2(-R[:, 1, 2], R[:, 2, 2])
+        rotation = np.arctan2(-R[:, 0, 1], R[:, 0, 0])
+        within = np.zeros(len(R), dtype=bool)
+        for angles in (
+            (flexion, abduction, rotation),
+            (flexion + np.pi, np.pi - abduction, rotation + np.pi),
+        ):
+            this = np.ones(len(R), dtype=bool)
+            for angle, (low, high) in zip(angles, self.range_of_motion, strict=True):
+                above = (angle - low + 1e-9) % (2.0 * np.pi)
+                this &= above <= high - low + 2e-9
+            within |= this
+        return int((~within).sum())
 
     def head_of(self, band: str) -> str:
         """Return the name of the head that a band belongs to."""
@@ -257,7 +282,7 @@ def _muscle(file: Section) -> BroadMuscle:
             'format', 'version', 'name', 'source', 'units', 'bands', 'heads', 'origin',
             'insertion', 'sphere', 'plane_angle', 'reference_normal',
         ),
-        ('interference_spheres',),
+        ('interference_spheres', 'range_of_motion'),
     )  # fmt: skip
     if file.text('format') != FORMAT:
         raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')
@@ -294,6 +319,7 @@ def _muscle(file: Section) -> BroadMuscle:
         interference_centres=inter_centres,
         interference_radii=inter_radii,
         interference_names=inter_names,
+        range_of_motion=_range_of_motion(file, radians),
     )
     _check(file, muscle)
     return muscle
@@ -334,6 +360,21 @@ def _interference(file: Section, metres: float) -> tuple[tuple[str, ...], Floats
             if radii[-1] <= 0.0:
                 raise entry.fault('radius', f'{entry.number("radius"):g} given, > 0 expected')
     return tuple(names), np.array(centres).reshape(-1, 3), np.array(radii)
+
+
+def _range_of_motion(file: Section, radians: float) -> tuple[tuple[float, float], ...] | None:
+    if 'range_of_motion' not in file.content:
+        return None
+    section = file.section('range_of_motion')
+    coordinates = ('flexion', 'abduction', 'rotation')
+    section.allow(coordinates)
+    limits = []
+    for coordinate in coordinates:
+        low, high = (section.numbers(coordinate, 2) * radians).tolist()
+        if low > high:
+            raise section.fault(coordinate, 'the lowest, then the highest angle expected')
+        limits.append((low, high))
+    return tuple(limits)
 
 
 def _check(file: Section, muscle: BroadMuscle) -> None:

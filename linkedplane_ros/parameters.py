@@ -163,8 +163,8 @@ class Settings:
             )
         if not checked['frame_id']:
             raise ValueError("parameter frame_id: '' given, the name of a frame expected")
-        convention.rotation((0.0, 0.0, 0.0))  # compiled before it is needed, as the solver is
         muscle = BroadMuscle.load(checked['muscle'])
+        convention.rotation((0.0, 0.0, 0.0))  # compiled before it is needed, as the solver is
         return Settings(
             solver=LinkedPlaneSolver(muscle, checked['side']),
             convention=convention,

@@ -236,7 +236,7 @@ def test_no_message_raises_anything_but_a_refusal_or_gives_what_is_not_finite(
             angles, speeds, warning = memory.take(*message)
         except Rejected:
             continue
-        assert angles.shape == (3,)
+        assert len(angles) == 3
         assert np.isfinite(angles).all()
         assert speeds is None or (len(speeds) == 3 and np.isfinite(speeds).all())
         assert not (warning and speeds is not None)

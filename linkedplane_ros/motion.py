@@ -1,0 +1,288 @@
+"""Recorded motion as chunks of joint angles: from a ROS 2 bag, message by message, or a table."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from .conventions import JointConvention
+from .joint_input import FULL_CIRCLE, JointMap, JointMemory, Rejected
+from .recordings import JOINT_STATE, RecordingError, opened
+from .tables import Table, choose, differentiated, lowpassed, resampled
+
+Floats = npt.NDArray[np.float64]
+Stamps = npt.NDArray[np.int64]
+
+ROWS = 5000  # frames that are worked on at a time
+
+
+@dataclass
+class Refused:
+    """What could not be used of a recording: how many by reason, and where first."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    first: dict[str, str] = field(default_factory=dict)
+
+    def add(self, reason: str, where: str, count: int = 1) -> None:
+        """Count what was met at a place."""
+        self.counts[reason] += count
+        self.first.setdefault(reason, where)
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Some frames of a motion, in their order, and what they stood among."""
+
+    stamps: Stamps
+    """(k,) ns."""
+    angles: Floats
+    """(k, 3) rad."""
+    speeds: Floats
+    """(k, 3) rad/s; NaN where not known."""
+    records: Sequence[Any] = ()
+    """A bag's own messages, (connection, time, bytes), all of them."""
+    answered: Sequence[int] = ()
+    """(k,) for each frame the record that it came with."""
+
+    def of(self, good: npt.NDArray[np.bool_]) -> Chunk:
+        """Return the chunk with some of its frames alone; the records stay."""
+        kept = [record for record, keep in zip(self.answered, good, strict=False) if keep]
+        return Chunk(self.stamps[good], self.angles[good], self.speeds[good], self.records, kept)
+
+
+class Motion(Protocol):
+    """A recording of joint angles."""
+
+    @property
+    def path(self) -> Path:
+        """Where it comes from."""
+
+    @property
+    def refused(self) -> Refused:
+        """What could not be used so far."""
+
+    @property
+    def frames(self) -> int:
+        """About how many; 0 if not known."""
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the frames."""
+
+
+class BagMotion:
+    """The joint states of a bag, taken as the node takes them."""
+
+    def __init__(self, path: Path, joints: JointMap, topic: str | None) -> None:
+        """Look into the bag; RecordingError if it is no good."""
+        self.path: Path = path
+        self.refused: Refused = Refused()
+        self.joints = joints
+        with closing(opened(path)) as reader:
+            counts = Counter[str]()
+            for each in reader.connections:
+                if each.msgtype == JOINT_STATE:
+                    counts[each.topic] += each.msgcount
+            if topic is None and len(counts) > 1:
+                raise RecordingError(
+                    f'{path}: joint states on {", ".join(sorted(counts))}; choose one with --topic'
+                )
+            self.topic = topic or next(iter(counts), '')
+            if not counts[self.topic]:
+                kinds = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in reader.connections}))
+                wanted = f'no {JOINT_STATE}' + (f' on {topic}' if topic else '')
+                raise RecordingError(f'{path}: {wanted} in it, but {kinds or "nothing"}')
+            self.frames = counts[self.topic]
+            self.start: int = reader.start_time
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the frames, and all messages of the bag between them."""
+        memory = JointMemory(self.joints)
+        with closing(opened(self.path)) as reader:
+            messages = reader.messages()
+            number = 0
+            ended = False
+            while not ended:
+                records: list[Any] = []
+                frames: list[tuple[int, Any, Any]] = []
+                answered: list[int] = []
+                while len(records) < ROWS:
+                    try:
+                        connection, time, data = next(messages)
+                    except StopIteration:
+                        ended = True
+                        break
+                    except Exception as error:  # a broken file breaks in many ways
+                        raise RecordingError(f'{self.path}: damaged: {error}') from None
+                    records.append((connection, time, bytes(data)))
+                    if connection.topic != self.topic or connection.msgtype != JOINT_STATE:
+                        continue
+                    number += 1
+                    try:
+                        message = reader.deserialize(data, JOINT_STATE)
+                        angles, speeds, _ = memory.take(
+                            message.name, message.position.tolist(), message.velocity.tolist()
+                        )
+                    except Rejected as error:
+                        where = f'message {number}, {1e-9 * (time - self.start):.2f} s: {error}'
+                        self.refused.add(error.reason, where)
+                        continue
+                    except Exception as error:
+                        raise RecordingError(
+                            f'{self.path}: message {number} is damaged: {error}'
+                        ) from None
+                    stamp = message.header.stamp
+                    frames.append((stamp.sec * 10**9 + stamp.nanosec, angles, speeds))
+                    answered.append(len(records) - 1)
+                unknown = (np.nan, np.nan, np.nan)
+                yield Chunk(
+                    np.array([stamp for stamp, _, _ in frames], dtype=np.int64),
+                    np.array([angles for _, angles, _ in frames]).reshape(len(frames), 3),
+                    np.array([speeds or unknown for _, _, speeds in frames]).reshape(
+                        len(frames), 3
+                    ),
+                    records,
+                    answered,
+                )
+
+
+class TableMotion:
+    """Three columns of a table; their velocities are differences in time."""
+
+    def __init__(
+        self, path: Path, joints: JointMap, convention: JointConvention, degrees: bool | None
+    ) -> None:
+        """Read the header; RecordingError if it is no good, or lacks a column."""
+        self.path: Path = path
+        self.refused: Refused = Refused()
+        self.joints = joints
+        self.table = Table.open(path)
+        self.columns, unit = choose_with_unit(self.table, joints.names)
+        stated = self.table.in_degrees if unit is None else unit
+        in_degrees = stated if degrees is None else degrees
+        self.scale = np.pi / 180.0 if in_degrees else 1.0
+        self.frames = 0
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the rows that can be used."""
+        times, angles = np.empty(0), np.empty((0, 3))
+        first = row = 0  # the first of the held rows that is still to be given
+        for new_times, values in self.table.chunks(self.columns, ROWS):
+            values = values * self.scale
+            good = self._usable(new_times, values, row)
+            row += len(new_times)
+            times = np.concatenate((times, new_times[good]))
+            angles = np.concatenate(
+                (angles, (values * self.joints.signs + self.joints.offsets)[good])
+            )
+            # a difference takes both neighbours: the last row waits for the next chunk
+            if len(times) > 1 + first:
+                yield self._chunk(times, angles, slice(first, -1))
+                times, angles, first = times[-2:], angles[-2:], 1
+        if len(times) > first:
+            yield self._chunk(times, angles, slice(first, None))
+
+    def _chunk(self, times: Floats, angles: Floats, part: slice) -> Chunk:
+        with np.errstate(divide='ignore', invalid='ignore'):  # times that stand still
+            speeds = differentiated(times, angles)
+        speeds[~np.isfinite(speeds).all(axis=1)] = np.nan
+        return Chunk(in_nanoseconds(times[part]), angles[part], speeds[part])
+
+    def _usable(self, times: Floats, angles: Floats, row: int) -> npt.NDArray[np.bool_]:
+        """Return which rows are angles; the others are refused, as the node does."""
+        finite = np.isfinite(angles).all(axis=1)
+        small = ~(np.abs(angles) > FULL_CIRCLE).any(axis=1)
+        for reason, bad, hint in (
+            ('not_finite', ~finite, 'a finite angle expected'),
+            ('degrees', finite & ~small, 'degrees? radians expected (--degrees)'),
+        ):
+            if bad.any():
+                k = int(np.argmax(bad))
+                where = f'row {row + k + 1}, {times[k]:.2f} s: {angles[k].tolist()}: {hint}'
+                self.refused.add(reason, where, int(bad.sum()))
+        return np.asarray(finite & small)
+
+
+@dataclass
+class Smoothed:
+    """A motion filtered and brought to a constant rate; it holds the whole of its angles."""
+
+    motion: Motion
+    rate: float | None
+    """Hz; None: as recorded, which has to be constant to be filtered."""
+    cutoff: float | None
+    """Hz."""
+
+    @property
+    def path(self) -> Path:
+        """Where it comes from."""
+        return self.motion.path
+
+    @property
+    def refused(self) -> Refused:
+        """What could not be used."""
+        return self.motion.refused
+
+    @property
+    def frames(self) -> int:
+        """About how many."""
+        return self.motion.frames if self.rate is None else 0
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the frames at their new times, with velocities by differences."""
+        parts = [(c.stamps, c.angles) for c in self.motion.chunks() if len(c.stamps)]
+        if not parts:
+            return
+        stamps = np.concatenate([stamps for stamps, _ in parts])
+        angles = np.concatenate([angles for _, angles in parts])
+        times = 1e-9 * (stamps - stamps[0])
+        try:
+            rate = self.rate or steady_rate(times)
+            # as many samples as were recorded are filtered, then brought to the rate asked for
+            if self.cutoff is not None:
+                own = (len(times) - 1) / times[-1] if len(times) > 1 and times[-1] > 0.0 else rate
+                times, angles = resampled(times, angles, own)
+                angles = lowpassed(angles, own, self.cutoff)
+            if self.rate is not None:
+                times, angles = resampled(times, angles, rate)
+        except ValueError as error:
+            raise RecordingError(f'{self.path}: {error}') from None
+        speeds = differentiated(times, angles)
+        new = stamps[0] + in_nanoseconds(times)
+        for k in range(0, len(new), ROWS):
+            part = slice(k, k + ROWS)
+            yield Chunk(new[part], angles[part], speeds[part])
+
+
+def steady_rate(times: Floats) -> float:
+    """Return the rate, Hz, of evenly spaced times (m,), s; ValueError for others."""
+    steps = np.diff(times)
+    if len(steps) and 0.0 < steps.min() and steps.max() < 1.5 * np.median(steps):
+        return float(1.0 / np.median(steps))
+    raise ValueError('the recording is not evenly spaced in time; give a --rate, too')
+
+
+def in_nanoseconds(times: Floats) -> Stamps:
+    """Return times (m,), s, as ns."""
+    return np.asarray(np.rint(times * 1e9), dtype=np.int64)
+
+
+def choose_with_unit(table: Table, names: Sequence[str]) -> tuple[tuple[str, ...], bool | None]:
+    """Return the columns of three joints; and whether they are in degrees, if their names say so.
+
+    A column may carry its unit behind the joint's name: `_rad` or `_deg`.
+    """
+    for ending, in_degrees in (('_rad', False), ('_deg', True)):
+        wanted = [name + ending for name in names]
+        if set(wanted) <= set(table.columns):
+            return tuple(wanted), in_degrees
+    try:
+        return choose(table.columns, names), None
+    except RecordingError as error:
+        raise RecordingError(f'{table.path}: {error}') from None

@@ -1,0 +1,240 @@
+"""Process recordings: joint angles in, the same with the muscle's state beside them out.
+
+A recording is worked on in chunks, one process or many: each recording is a task of its own, and
+tasks share nothing, so the results do not depend on how many work at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import __version__
+from .conventions import JOINT_CONVENTIONS
+from .joint_input import JointMap
+from .model import BroadMuscle
+from .motion import BagMotion, Chunk, Motion, Refused, Smoothed, TableMotion
+from .outputs import ENDINGS, Described, Solved, format_of, in_place, output
+from .recordings import RecordingError
+from .solver import LinkedPlaneSolver
+
+Floats = npt.NDArray[np.float64]
+
+TABLES = ('.mot', '.sto', '.csv')
+
+
+@dataclass(frozen=True)
+class Task:
+    """One recording to be processed; numbers in SI."""
+
+    source: Path
+    target: Path
+    kind: str | None = None
+    """bag, csv or parquet; None: by the target's ending."""
+    muscle: str = 'deltoid'
+    side: str = 'right'
+    convention: str = 'flexion_abduction_rotation'
+    joints: tuple[str, ...] = ()
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    offsets: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    degrees: bool | None = None
+    topic: str | None = None
+    frame_id: str = 'scapula'
+    rate: float | None = None
+    lowpass: float | None = None
+    force: bool = False
+
+
+@dataclass(frozen=True)
+class Report:
+    """What has become of a task."""
+
+    task: Task
+    frames: int = 0
+    seconds: float = 0.0
+    refused: Mapping[str, int] = field(default_factory=dict)
+    first: Mapping[str, str] = field(default_factory=dict)
+    outside: int = 0
+    """Frames outside the range of motion of the model."""
+    fault: str = ''
+    """Why there is no output, in one line; empty: there is one."""
+
+
+def tasks(inputs: Sequence[Path], target: Path, **options: Any) -> list[Task]:
+    """Return a task for each recording among the inputs: files, bags and folders of them.
+
+    Several recordings, or a folder of them, go into the target as a folder.
+    """
+    sources = [source for each in inputs for source in recordings_in(each)]
+    if len(sources) == 1 and sources[0] in inputs and not target.is_dir():
+        return [Task(sources[0], target, **options)]
+    if len(sources) == 1 and sources[0] in inputs and is_bag(target):
+        return [Task(sources[0], target, **options)]
+    kind = options.pop('kind', None) or 'bag'
+    made = [
+        Task(source, target / (source.stem + ENDINGS[kind]), kind, **options) for source in sources
+    ]
+    seen: dict[Path, Path] = {}
+    for task in made:
+        if task.target in seen:
+            raise RecordingError(
+                f'{task.source} and {seen[task.target]} would both become {task.target}; '
+                'process them into folders of their own'
+            )
+        seen[task.target] = task.source
+    return made
+
+
+def recordings_in(path: Path) -> Iterator[Path]:
+    """Yield a recording, or the recordings of a folder, in the order of their names."""
+    if not path.is_dir() or is_bag(path):
+        yield path
+        return
+    found = sorted(
+        each
+        for each in path.iterdir()
+        if is_bag(each) or each.suffix.lower() in (*TABLES, '.mcap', '.db3')
+    )
+    if not found:
+        raise RecordingError(f'{path}: no recordings in it (bags, .mcap, .db3, .mot, .sto, .csv)')
+    yield from found
+
+
+def is_bag(path: Path) -> bool:
+    """Return whether a path is a bag's folder."""
+    return (path / 'metadata.yaml').is_file()
+
+
+def motion_of(task: Task) -> Motion:
+    """Open a task's recording; RecordingError if it is no good."""
+    convention = JOINT_CONVENTIONS[task.convention]
+    a, b, c = task.joints or convention.coordinates
+    joints = JointMap((a, b, c), task.signs, task.offsets)
+    motion: Motion
+    if task.source.suffix.lower() in TABLES:
+        motion = TableMotion(task.source, joints, convention, task.degrees)
+    else:
+        motion = BagMotion(task.source, joints, task.topic)
+    if task.rate is None and task.lowpass is None:
+        return motion
+    return Smoothed(motion, task.rate, task.lowpass)
+
+
+def described(task: Task, muscle: BroadMuscle) -> Described:
+    """Return what a task's output says of itself."""
+    convention = JOINT_CONVENTIONS[task.convention]
+    table = task.source.suffix.lower() in TABLES
+    smoothed = task.rate is not None or task.lowpass is not None
+    facts = {
+        'made_by': f'linkedplane_ros {__version__}',
+        'source': task.source.name,
+        'muscle': muscle.name,
+        'side': task.side,
+        'joint_convention': convention.name,
+        'rotation': convention.formula,
+        'joints': ' '.join(task.joints or convention.coordinates),
+        'joint_signs': ' '.join(f'{sign:g}' for sign in task.signs),
+        'joint_offsets_rad': ' '.join(repr(offset) for offset in task.offsets),
+        'resampled_to_hz': 'no' if task.rate is None else f'{task.rate:g}',
+        'lowpass_hz': 'no'
+        if task.lowpass is None
+        else f'{task.lowpass:g} (Butterworth, both ways: no lag)',
+        'velocities': 'differentiated' if table or smoothed else 'recorded',
+        'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
+    }
+    return Described(muscle.name, muscle.band_names, convention.coordinates, task.frame_id, facts)
+
+
+def solved(chunk: Chunk, solver: LinkedPlaneSolver, convention: str, refused: Refused) -> Solved:
+    """Solve a chunk; frames at which a band has no plane are refused and left out."""
+    rotations, axes = JOINT_CONVENTIONS[convention].rotations_and_axes(chunk.angles, solver.side)
+    try:
+        states = solver.solve_batch(rotations)
+    except ValueError:
+        good = np.array([solvable(solver, each) for each in rotations])
+        for stamp in chunk.stamps[~good].tolist():
+            refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
+        return solved(chunk.of(good), solver, convention, refused)
+    arms = states.moment_vectors @ axes
+    lengthening = -np.einsum('knj,kj->kn', arms, chunk.speeds)
+    return Solved(chunk, states, arms, lengthening)
+
+
+def solvable(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
+    """Return whether every band has a plane at a rotation (3, 3)."""
+    try:
+        solver.solve(rotation)
+    except ValueError:
+        return False
+    return True
+
+
+def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Report:
+    """Process one recording; a fault is reported, not raised. `progress` is told of each chunk."""
+    begin = perf_counter()
+    try:
+        muscle = BroadMuscle.load(task.muscle)
+        solver = LinkedPlaneSolver(muscle, task.side)
+        motion = motion_of(task)
+        kind = format_of(task.target, task.kind)
+        bag = task.source if not isinstance(motion, (TableMotion, Smoothed)) else None
+        frames = outside = 0
+        with in_place(task.target, task.force) as beside:
+            out = output(beside, kind, described(task, muscle), bag if kind == 'bag' else None)
+            try:
+                for chunk in motion.chunks():
+                    each = solved(chunk, solver, task.convention, motion.refused)
+                    out.write(each)
+                    frames += len(each.chunk.stamps)
+                    outside += muscle.outside(each.states.rotation)
+                    progress(len(each.chunk.stamps))
+            finally:
+                out.close()
+            if not frames:
+                first = next(iter(motion.refused.first.values()), 'no frames in it')
+                raise RecordingError(f'{task.source}: nothing was usable: {first}')
+    except ValueError as error:
+        return Report(task, fault=str(error))
+    refused = motion.refused
+    return Report(
+        task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside
+    )
+
+
+def run_all(
+    all_tasks: Sequence[Task], jobs: int, dask: str | None, progress: Callable[[int], None]
+) -> Iterator[Report]:
+    """Process recordings, so many at a time, here or on a Dask cluster; yield each report."""
+    if dask is not None:
+        yield from run_on_cluster(all_tasks, dask)
+    elif jobs == 1 or len(all_tasks) == 1:
+        for task in all_tasks:
+            yield run(task, progress)
+    else:
+        with ProcessPoolExecutor(jobs) as pool:
+            for future in as_completed([pool.submit(run, task) for task in all_tasks]):
+                yield future.result()
+
+
+def run_on_cluster(all_tasks: Sequence[Task], address: str) -> Iterator[Report]:
+    """Process recordings on a Dask cluster that sees the same files."""
+    try:
+        from dask.distributed import Client, as_completed
+    except ImportError:
+        raise RecordingError(
+            "a cluster needs Dask: pip install 'linkedplane_ros[cluster]'"
+        ) from None
+    try:
+        client = Client(address, timeout='10s')
+    except (OSError, ValueError) as error:
+        raise RecordingError(f'--dask {address}: not reached: {error}') from None
+    with client:
+        for future in as_completed([client.submit(run, task, pure=False) for task in all_tasks]):
+            yield future.result()
