@@ -13,7 +13,8 @@ ros = [
     'ros-jazzy-rmw-fastrtps-cpp',
 ]
 fast = ['numba']
-tools = ['matplotlib', 'rosbags']
+tools = ['matplotlib', 'pyarrow', 'rich', 'rosbags', 'scipy']
+cluster = ['dask[distributed]']
 bench = ['mujoco>=3.6', 'opensim']
 test = [
     'colcon-bash',
@@ -25,7 +26,6 @@ test = [
     'pytest',
     'pytest-xdist',
     'ruff',
-    'scipy',
     'types-PyYAML',
 ]
 
@@ -47,9 +47,10 @@ setup(
         'ros': ros,
         'fast': fast,
         'tools': tools,
+        'cluster': cluster,
         'bench': bench,
         'all': ros + fast + tools,
-        'test': test,
+        'test': test + cluster,
     },
     python_requires='>=3.10',
     zip_safe=False,

@@ -1,4 +1,4 @@
-"""The command `linkedplane`: look at a model, solve a pose, play or process recordings.
+"""The command `linkedplane`: look at a model, solve a pose; play, process, plot recordings.
 
 Exit status: 0 done, 1 the input is at fault (one line on stderr says what and where), 2 usage.
 """
@@ -132,8 +132,20 @@ def play(args: argparse.Namespace) -> None:
 def process(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
     from . import process as work
+    from .frames import Bones
 
+    if args.rhythm is not None and args.thorax is None:
+        raise ValueError('--rhythm: for angles against the thorax alone (--thorax)')
+    if (args.humerus is None) != (args.scapula is None and args.thorax is None):
+        raise ValueError('--humerus NAME goes with --scapula NAME or --thorax NAME')
+    bones = args.humerus and Bones(
+        args.humerus, args.scapula, args.thorax, args.frame_axes, args.rhythm or 2.0
+    )
+    if args.thorax is not None:
+        print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
+              f'{bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
     options = {
+        'bones': bones,
         'kind': args.format,
         'muscle': args.muscle,
         'side': args.side,
@@ -160,6 +172,18 @@ def process(args: argparse.Namespace) -> None:
         print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {args.out}')
     if failed:
         raise SystemExit(1)
+
+
+def plot(args: argparse.Namespace) -> None:
+    """Draw a processed recording: lengths, moment arms and wrap states."""
+    from .plot import save
+    from .processed import read
+
+    source = Path(args.output)
+    out = Path(args.out) if args.out else source.with_suffix('')
+    for kind in args.kinds or ['png']:
+        for path in save(read(source), out, kind):
+            print(path)
 
 
 def tell(report: Report) -> None:
@@ -287,6 +311,16 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument('--offsets', nargs=3, type=float, default=(0.0, 0.0, 0.0), metavar='RAD')
     one.add_argument('--degrees', action='store_true', help="the table's angles are in degrees")
     one.add_argument('--topic', help="the bag's topic of joint states, where it has several")
+    one.add_argument('--humerus', metavar='NAME',
+                     help='take poses for angles: a topic, or a frame in /tf')  # fmt: skip
+    base = one.add_mutually_exclusive_group()
+    base.add_argument('--scapula', metavar='NAME', help='what the humerus is measured against')
+    base.add_argument('--thorax', metavar='NAME',
+                      help='the same, less the share of the scapula (--rhythm)')  # fmt: skip
+    one.add_argument('--rhythm', type=positive, metavar='RATIO',
+                     help='glenohumeral to scapulothoracic elevation (default 2)')  # fmt: skip
+    one.add_argument('--frame-axes', choices=('model', 'isb'), default='model',
+                     help='of their frames; isb: x anterior, y superior, z lateral')  # fmt: skip
     one.add_argument('--side', choices=SIDES, default='right')
     one.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
     one.add_argument('--frame-id', default='scapula', help='the frame of the outputs')
@@ -297,6 +331,14 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument('--jobs', type=counting, default=1, metavar='N',
                      help='recordings at a time (default 1)')  # fmt: skip
     one.add_argument('--dask', metavar='ADDRESS', help='work on a Dask cluster')
+
+    one = command('plot', plot)
+    one.add_argument('output', metavar='OUTPUT', help='what `linkedplane process` has written')
+    one.add_argument('--png', dest='kinds', action='append_const', const='png',
+                     help='draw PNG files (the default)')  # fmt: skip
+    one.add_argument('--svg', dest='kinds', action='append_const', const='svg',
+                     help='draw SVG files')  # fmt: skip
+    one.add_argument('--out', metavar='NAME', help="the beginning of the files' names")
     return top
 
 

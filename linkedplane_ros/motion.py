@@ -13,13 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from .conventions import JointConvention
-from .joint_input import FULL_CIRCLE, JointMap, JointMemory, Rejected
-from .recordings import JOINT_STATE, RecordingError, opened
+from .frames import POSE_TYPES, TF_TYPE, Bones, PoseMemory
+from .joint_input import FULL_CIRCLE, JointMap, JointMemory, Rejected, Three
+from .recordings import JOINT_STATE, RecordingError, deserialized, opened
 from .tables import Table, choose, differentiated, lowpassed, resampled
 
 Floats = npt.NDArray[np.float64]
 Stamps = npt.NDArray[np.int64]
 
+USUAL = '/joint_states'
 ROWS = 5000  # frames that are worked on at a time
 
 
@@ -76,41 +78,106 @@ class Motion(Protocol):
         """Yield the frames."""
 
 
-class BagMotion:
-    """The joint states of a bag, taken as the node takes them."""
+class Taker(Protocol):
+    """Makes frames of a bag's messages."""
 
-    def __init__(self, path: Path, joints: JointMap, topic: str | None) -> None:
+    def wants(self, topic: str, kind: str) -> bool:
+        """Return whether a topic's messages are to be taken."""
+
+    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
+        """Yield stamp (ns), angles (rad) and speeds (rad/s); Rejected if it is no good."""
+
+
+@dataclass
+class JointTaker:
+    """Joint states, taken as the node takes them."""
+
+    topic: str
+    memory: JointMemory
+
+    def wants(self, topic: str, kind: str) -> bool:
+        """Return whether these are the joint states chosen."""
+        return kind == JOINT_STATE and topic == self.topic
+
+    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
+        """Yield the one frame of a message."""
+        angles, speeds, _ = self.memory.take(
+            message.name, message.position.tolist(), message.velocity.tolist()
+        )
+        stamp = message.header.stamp
+        yield stamp.sec * 10**9 + stamp.nanosec, angles, speeds
+
+
+@dataclass
+class PoseTaker:
+    """Poses of two bones; their velocities are not known."""
+
+    memory: PoseMemory
+
+    def wants(self, topic: str, kind: str) -> bool:
+        """Return whether poses of the bones may be in it."""
+        return self.memory.wants(topic, kind)
+
+    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
+        """Yield a frame for each new pose of the humerus."""
+        for stamp, angles in self.memory.take(topic, message):
+            yield stamp, angles, None
+
+
+class BagMotion:
+    """The frames of a bag, and all its messages."""
+
+    def __init__(self, path: Path, taker: Taker) -> None:
         """Look into the bag; RecordingError if it is no good."""
         self.path: Path = path
         self.refused: Refused = Refused()
-        self.joints = joints
+        self.taker = taker
         with closing(opened(path)) as reader:
-            counts = Counter[str]()
-            for each in reader.connections:
-                if each.msgtype == JOINT_STATE:
-                    counts[each.topic] += each.msgcount
-            if topic is None and len(counts) > 1:
+            wanted = [each for each in reader.connections if taker.wants(each.topic, each.msgtype)]
+            self.frames: int = sum(each.msgcount for each in wanted)
+            self.start: int = reader.start_time
+
+    @staticmethod
+    def of_joints(path: Path, joints: JointMap, topic: str | None) -> BagMotion:
+        """Return a bag's joint states: on the topic chosen, the usual one, or the only one."""
+        with closing(opened(path)) as reader:
+            found = {each.topic for each in reader.connections if each.msgtype == JOINT_STATE}
+            if topic is None and USUAL in found:
+                topic = USUAL
+            if topic is None and len(found) > 1:
                 raise RecordingError(
-                    f'{path}: joint states on {", ".join(sorted(counts))}; choose one with --topic'
+                    f'{path}: joint states on {", ".join(sorted(found))}; choose one with --topic'
                 )
-            self.topic = topic or next(iter(counts), '')
-            if not counts[self.topic]:
+            if not found or (topic is not None and topic not in found):
                 kinds = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in reader.connections}))
                 wanted = f'no {JOINT_STATE}' + (f' on {topic}' if topic else '')
                 raise RecordingError(f'{path}: {wanted} in it, but {kinds or "nothing"}')
-            self.frames = counts[self.topic]
-            self.start: int = reader.start_time
+        return BagMotion(path, JointTaker(topic or found.pop(), JointMemory(joints)))
+
+    @staticmethod
+    def of_poses(path: Path, bones: Bones, convention: JointConvention) -> BagMotion:
+        """Return the motion of the humerus against another bone."""
+        with closing(opened(path)) as reader:
+            topics = {each.topic: each.msgtype for each in reader.connections}
+            if TF_TYPE not in topics.values():
+                for name in (bones.humerus, bones.base):
+                    if topics.get(name) not in POSE_TYPES:
+                        held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
+                        raise RecordingError(
+                            f'{path}: {name} is neither a topic of {" or ".join(POSE_TYPES)} '
+                            f'nor, for want of /tf, a frame; in it: {held or "nothing"}'
+                        )
+        return BagMotion(path, PoseTaker(PoseMemory(bones, convention)))
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
-        memory = JointMemory(self.joints)
         with closing(opened(self.path)) as reader:
             messages = reader.messages()
             number = 0
             ended = False
             while not ended:
                 records: list[Any] = []
-                frames: list[tuple[int, Any, Any]] = []
+                frames: list[tuple[int, Three, Three | None]] = []
                 answered: list[int] = []
                 while len(records) < ROWS:
                     try:
@@ -121,25 +188,22 @@ class BagMotion:
                     except Exception as error:  # a broken file breaks in many ways
                         raise RecordingError(f'{self.path}: damaged: {error}') from None
                     records.append((connection, time, bytes(data)))
-                    if connection.topic != self.topic or connection.msgtype != JOINT_STATE:
+                    if not self.taker.wants(connection.topic, connection.msgtype):
                         continue
                     number += 1
                     try:
-                        message = reader.deserialize(data, JOINT_STATE)
-                        angles, speeds, _ = memory.take(
-                            message.name, message.position.tolist(), message.velocity.tolist()
-                        )
-                    except Rejected as error:
-                        where = f'message {number}, {1e-9 * (time - self.start):.2f} s: {error}'
-                        self.refused.add(error.reason, where)
-                        continue
+                        message = deserialized(reader, data, connection.msgtype)
                     except Exception as error:
                         raise RecordingError(
                             f'{self.path}: message {number} is damaged: {error}'
                         ) from None
-                    stamp = message.header.stamp
-                    frames.append((stamp.sec * 10**9 + stamp.nanosec, angles, speeds))
-                    answered.append(len(records) - 1)
+                    try:
+                        for frame in self.taker.take(message, connection.topic):
+                            frames.append(frame)
+                            answered.append(len(records) - 1)
+                    except Rejected as error:
+                        where = f'message {number}, {1e-9 * (time - self.start):.2f} s: {error}'
+                        self.refused.add(error.reason, where)
                 unknown = (np.nan, np.nan, np.nan)
                 yield Chunk(
                     np.array([stamp for stamp, _, _ in frames], dtype=np.int64),
@@ -155,9 +219,7 @@ class BagMotion:
 class TableMotion:
     """Three columns of a table; their velocities are differences in time."""
 
-    def __init__(
-        self, path: Path, joints: JointMap, convention: JointConvention, degrees: bool | None
-    ) -> None:
+    def __init__(self, path: Path, joints: JointMap, degrees: bool | None) -> None:
         """Read the header; RecordingError if it is no good, or lacks a column."""
         self.path: Path = path
         self.refused: Refused = Refused()

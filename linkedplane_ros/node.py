@@ -85,7 +85,8 @@ class MuscleStatePublisher(Node):
 
     def _declared(self) -> parameters.Settings:
         """Return the parameters' settings; say so if the solver has to be compiled for them."""
-        notice = Timer(1.0, self.get_logger().info, ['preparing the solver; the first start compiles it'])
+        line = 'preparing the solver; the first start compiles it'
+        notice = Timer(1.0, self.get_logger().info, [line])
         if COMPILED:
             notice.start()
         try:

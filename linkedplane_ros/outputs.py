@@ -63,22 +63,24 @@ class Output(Protocol):
 
 @contextmanager
 def in_place(path: Path, force: bool) -> Iterator[Path]:
-    """Give a path to write to; what stands there takes its place at the end, or is removed."""
+    """Give a path to write to; what stands there at the end takes its place, or is removed."""
     if path.exists() and not force:
         raise RecordingError(f'{path}: exists; --force to replace it')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
-    beside = path.with_name(f'.{path.name}.{os.getpid()}.part')
+    # under its own name: a bag writes that into its files
+    workshop = path.with_name(f'.{path.name}.{os.getpid()}.part')
     try:
-        remove(beside)
-        yield beside
+        remove(workshop)
+        workshop.mkdir()
+        yield workshop / path.name
         if path.exists():
             remove(path)
-        beside.rename(path)
+        (workshop / path.name).rename(path)
     except OSError as error:
         raise RecordingError(f'{path}: not written: {error.strerror or error}') from None
     finally:
-        remove(beside)
+        remove(workshop)
 
 
 def remove(path: Path) -> None:
@@ -211,11 +213,14 @@ class BagOutput:
                 if any(each.suffix in ('.db3', '.zstd') and '.db3' in each.name
                        for each in files_of(source)):  # fmt: skip
                     plugin = StoragePlugin.SQLITE3
+        taken = {each.topic for each in originals}
+        for full in (f'/{described.muscle}/{topic}' for topic in TYPES):
+            if full in taken:
+                raise RecordingError(f'{source}: {full} is in it already; it has been processed')
         self._writer = Writer(path, version=9, storage_plugin=plugin)
         for name, fact in described.facts.items():
             self._writer.set_custom_data(name, fact)
         self._writer.open()
-        taken = {each.topic for each in originals}
         self._kept = {
             each.id: self._writer.add_connection(
                 each.topic,
@@ -230,8 +235,6 @@ class BagOutput:
         self._topics = {}
         for topic, kind in TYPES.items():
             full = f'/{described.muscle}/{topic}'
-            if full in taken:
-                raise RecordingError(f'{source}: {full} is in it already; it has been processed')
             self._topics[topic] = self._writer.add_connection(full, kind, typestore=store)
         if source is None:
             self._joints = self._writer.add_connection(

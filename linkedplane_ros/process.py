@@ -6,6 +6,7 @@ tasks share nothing, so the results do not depend on how many work at a time.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ import numpy.typing as npt
 
 from . import __version__
 from .conventions import JOINT_CONVENTIONS
+from .frames import Bones
 from .joint_input import JointMap
 from .model import BroadMuscle
 from .motion import BagMotion, Chunk, Motion, Refused, Smoothed, TableMotion
@@ -46,6 +48,8 @@ class Task:
     offsets: tuple[float, float, float] = (0.0, 0.0, 0.0)
     degrees: bool | None = None
     topic: str | None = None
+    bones: Bones | None = None
+    """The frames to take the angles from, instead of joint states."""
     frame_id: str = 'scapula'
     rate: float | None = None
     lowpass: float | None = None
@@ -119,9 +123,13 @@ def motion_of(task: Task) -> Motion:
     joints = JointMap((a, b, c), task.signs, task.offsets)
     motion: Motion
     if task.source.suffix.lower() in TABLES:
-        motion = TableMotion(task.source, joints, convention, task.degrees)
+        if task.bones is not None:
+            raise RecordingError(f'{task.source}: a table has no frames; --humerus is for bags')
+        motion = TableMotion(task.source, joints, task.degrees)
+    elif task.bones is not None:
+        motion = BagMotion.of_poses(task.source, task.bones, convention)
     else:
-        motion = BagMotion(task.source, joints, task.topic)
+        motion = BagMotion.of_joints(task.source, joints, task.topic)
     if task.rate is None and task.lowpass is None:
         return motion
     return Smoothed(motion, task.rate, task.lowpass)
@@ -136,10 +144,13 @@ def described(task: Task, muscle: BroadMuscle) -> Described:
         'made_by': f'linkedplane_ros {__version__}',
         'source': task.source.name,
         'muscle': muscle.name,
+        'model': task.muscle,
+        'heads': json.dumps({head.name: head.bands for head in muscle.heads}),
         'side': task.side,
         'joint_convention': convention.name,
         'rotation': convention.formula,
-        'joints': ' '.join(task.joints or convention.coordinates),
+        'topic': task.topic or '',
+        'joints': json.dumps(task.joints or convention.coordinates),
         'joint_signs': ' '.join(f'{sign:g}' for sign in task.signs),
         'joint_offsets_rad': ' '.join(repr(offset) for offset in task.offsets),
         'resampled_to_hz': 'no' if task.rate is None else f'{task.rate:g}',
@@ -147,8 +158,16 @@ def described(task: Task, muscle: BroadMuscle) -> Described:
         if task.lowpass is None
         else f'{task.lowpass:g} (Butterworth, both ways: no lag)',
         'velocities': 'differentiated' if table or smoothed else 'recorded',
+        'made_anew': 'yes' if smoothed else 'no',
         'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
     }
+    if task.bones is not None:
+        bones = task.bones
+        facts['angles_from'] = f'{bones.humerus} against {bones.base}, {bones.axes} axes'
+        facts['velocities'] = 'differentiated' if smoothed else 'none'
+        facts['scapulohumeral_rhythm'] = (
+            'none: measured against the scapula' if bones.scapula else f'{bones.rhythm:g} to 1'
+        )
     return Described(muscle.name, muscle.band_names, convention.coordinates, task.frame_id, facts)
 
 
@@ -178,10 +197,11 @@ def solvable(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
 
 def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Report:
     """Process one recording; a fault is reported, not raised. `progress` is told of each chunk."""
-    begin = perf_counter()
     try:
         muscle = BroadMuscle.load(task.muscle)
         solver = LinkedPlaneSolver(muscle, task.side)
+        JOINT_CONVENTIONS[task.convention].rotation((0.0, 0.0, 0.0))
+        begin = perf_counter()  # all is compiled
         motion = motion_of(task)
         kind = format_of(task.target, task.kind)
         bag = task.source if not isinstance(motion, (TableMotion, Smoothed)) else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -62,6 +62,20 @@ class Recording:
                     yield Recorded(connection.topic, time, bytes(data))
             except Exception as error:  # a broken file breaks in many ways
                 raise RecordingError(f'{self.path}: damaged: {error}') from None
+
+
+def deserialized(reader: Any, data: bytes, kind: str) -> Any:
+    """Return a message of its bytes.
+
+    Messages that rclpy serialised end in up to 12 bytes of nothing, which rosbags does not take.
+    """
+    try:
+        return reader.deserialize(data, kind)
+    except Exception as error:
+        for surplus in (4, 8, 12):
+            with suppress(Exception):
+                return reader.deserialize(data[:-surplus], kind)
+        raise error
 
 
 def opened(path: Path) -> Any:

@@ -1,0 +1,139 @@
+"""From the poses of bones to joint angles: the humerus against the scapula, or the thorax.
+
+A pose is that of a frame fixed to the bone: its axes are the model's (x lateral, y anterior,
+z superior; right shoulder) or ISB's (x anterior, y superior, z lateral).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .conventions import JOINT_CONVENTIONS, JointConvention
+from .joint_input import Rejected, Three
+
+Floats = npt.NDArray[np.float64]
+
+POSE_TYPES = ('geometry_msgs/msg/PoseStamped', 'geometry_msgs/msg/TransformStamped')
+TF_TYPE = 'tf2_msgs/msg/TFMessage'
+# rows: the model's axes in ISB's (Wu 2005): lateral is ISB's z, anterior its x, superior its y
+FRAME_AXES = {
+    'model': np.eye(3),
+    'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+}
+
+
+@dataclass(frozen=True)
+class Bones:
+    """Which frames are the bones: names of topics of poses, or of frames in /tf."""
+
+    humerus: str
+    scapula: str | None = None
+    thorax: str | None = None
+    """Instead of the scapula; its share of an elevation is then taken off by the rhythm."""
+    axes: str = 'model'
+    rhythm: float = 2.0
+    """Glenohumeral to scapulothoracic elevation."""
+
+    @property
+    def base(self) -> str:
+        """What the humerus is measured against."""
+        return self.scapula or self.thorax or ''
+
+
+@dataclass
+class PoseMemory:
+    """The newest pose of each frame, and the rotation of the humerus that follows from two."""
+
+    bones: Bones
+    convention: JointConvention
+    poses: dict[str, Floats] = field(default_factory=dict)
+    parents: dict[str, str] = field(default_factory=dict)
+
+    def wants(self, topic: str, kind: str) -> bool:
+        """Return whether a topic may have poses of the two bones."""
+        named = topic in (self.bones.humerus, self.bones.base)
+        return (named and kind in POSE_TYPES) or kind == TF_TYPE
+
+    def take(self, topic: str, message: Any) -> Iterator[tuple[int, Three]]:
+        """Take a message in; yield the stamp, ns, and the angles of each new pose of the humerus.
+
+        Raises Rejected where the pose is no good, or has no angles in the convention.
+        """
+        tree = hasattr(message, 'transforms')
+        stamps = {}
+        for each in message.transforms if tree else (message,):
+            name = each.child_frame_id.lstrip('/') if tree else topic
+            if tree:
+                self.parents[name] = each.header.frame_id.lstrip('/')
+            pose = each.pose.orientation if hasattr(each, 'pose') else each.transform.rotation
+            self.poses[name] = rotation(pose.x, pose.y, pose.z, pose.w)
+            stamps[name] = each.header.stamp
+        moved = [stamps[name] for name in self._chain(self.bones.humerus) if name in stamps]
+        if moved and self._known():
+            yield moved[0].sec * 10**9 + moved[0].nanosec, self._angles()
+
+    def _chain(self, frame: str) -> Iterator[str]:
+        """Yield a frame and those it hangs on, up to the root."""
+        seen: set[str] = set()
+        while frame in self.poses and frame not in seen:
+            seen.add(frame)
+            yield frame
+            frame = self.parents.get(frame, '')
+
+    def _root(self, frame: str) -> str:
+        chain = list(self._chain(frame))
+        return self.parents.get(chain[-1], '') if chain else frame
+
+    def _known(self) -> bool:
+        humerus, base = self.bones.humerus, self.bones.base
+        if self._root(humerus) != self._root(base):
+            return False
+        return humerus in self.poses and (base in self.poses or base == self._root(humerus))
+
+    def _in_root(self, frame: str) -> Floats:
+        R = np.eye(3)
+        for each in self._chain(frame):
+            R = self.poses[each] @ R
+        return R
+
+    def _angles(self) -> Three:
+        axes = FRAME_AXES[self.bones.axes]
+        R = axes @ self._in_root(self.bones.base).T @ self._in_root(self.bones.humerus) @ axes.T
+        if self.bones.scapula is None:
+            R = glenohumeral(R, self.bones.rhythm)
+        try:
+            a, b, c = self.convention.angles(R).tolist()
+        except ValueError as error:
+            raise Rejected('no_angles', str(error)) from None
+        return a, b, c
+
+
+def glenohumeral(thoracic: Floats, rhythm: float) -> Floats:
+    """Return the humerus against the scapula (3, 3) from that against the thorax.
+
+    The scapula takes 1 / (1 + rhythm) of the elevation, in the plane of elevation (ISB's Y-X-Y):
+    an assumption on the average shoulder (Inman 1944: 2 to 1), not a measurement.
+    """
+    convention = JOINT_CONVENTIONS['isb_yxy']
+    plane, elevation, axial = convention.angles(thoracic)
+    return convention.rotation((plane, elevation * rhythm / (1.0 + rhythm), axial))
+
+
+def rotation(x: float, y: float, z: float, w: float) -> Floats:
+    """Return the (3, 3) rotation of a quaternion; Rejected if it is none."""
+    size = x * x + y * y + z * z + w * w
+    if not 0.99 < size < 1.01:
+        raise Rejected('not_unit', f'quaternion ({x:g}, {y:g}, {z:g}, {w:g}): unit length expected')
+    s = 2.0 / size
+    return np.array(
+        (
+            (1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)),
+            (s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w)),
+            (s * (x * z - y * w), s * (y * z + x * w), 1.0 - s * (x * x + y * y)),
+        )
+    )

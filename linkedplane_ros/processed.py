@@ -1,0 +1,126 @@
+"""Read a processed recording back, for plots: CSV, Parquet, or an annotated bag."""
+
+from __future__ import annotations
+
+import csv
+import json
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+
+from .plot import Processed
+from .process import TABLES, Task, run
+from .recordings import RecordingError
+
+Floats = npt.NDArray[np.float64]
+
+
+def read(path: Path) -> Processed:
+    """Return what a processed recording holds; RecordingError if it is none."""
+    if not path.exists():
+        raise RecordingError(f'{path}: no such file or folder')
+    if path.is_dir():
+        return from_bag(path)
+    try:
+        facts, columns = from_parquet(path) if path.suffix == '.parquet' else from_csv(path)
+        return assembled(path, facts, columns)
+    except (KeyError, ValueError, UnicodeDecodeError) as error:
+        raise RecordingError(
+            f'{path}: not an output of linkedplane process: {str(error).splitlines()[0]}'
+        ) from None
+
+
+def from_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
+    """Return the facts and the columns of a CSV output."""
+    facts: dict[str, str] = {}
+    with path.open(encoding='utf-8', newline='') as file:
+        for line in file:
+            if not line.startswith('#'):
+                break
+            name, _, fact = line[1:].strip().partition(': ')
+            facts[name] = fact
+        else:
+            line = ''
+        names = next(csv.reader([line]), [])
+        values = [[float(cell) if cell else np.nan for cell in row] for row in csv.reader(file)]
+    numbers = np.array(values, dtype=np.float64).reshape(len(values), len(names))
+    return facts, dict(zip(names, numbers.T, strict=True))
+
+
+def from_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
+    """Return the facts and the columns of a Parquet output."""
+    try:
+        from pyarrow.parquet import read_table
+    except ImportError:
+        raise RecordingError(
+            f"{path}: Parquet needs the pyarrow library: pip install 'linkedplane_ros[tools]'"
+        ) from None
+    table = read_table(path)
+    facts = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+    return facts, {
+        name: table[name].to_numpy().astype(np.float64)
+        for name in table.column_names
+        if name != 'stamp'
+    }
+
+
+def from_bag(path: Path) -> Processed:
+    """Return what an annotated bag holds: the muscle is solved again, as the bag says it was."""
+    try:
+        content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
+        facts = content['rosbag2_bagfile_information']['custom_data']
+        options: dict[str, Any] = {
+            'convention': facts['joint_convention'],
+            'side': facts['side'],
+            'muscle': facts['model'],
+        }
+        if not (facts['source'].lower().endswith(TABLES) or facts['made_anew'] == 'yes'):
+            a, b, c = (float(each) for each in facts['joint_signs'].split())
+            x, y, z = (float(each) for each in facts['joint_offsets_rad'].split())
+            options |= {
+                'joints': tuple(json.loads(facts['joints'])),
+                'signs': (a, b, c),
+                'offsets': (x, y, z),
+                'topic': facts['topic'] or None,
+            }
+        if 'angles_from' in facts:
+            raise RecordingError(
+                f'{path}: its angles come from frames; process it into CSV, and plot that'
+            )
+    except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError) as error:
+        if isinstance(error, RecordingError):
+            raise
+        raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
+    with tempfile.TemporaryDirectory() as folder:
+        table = Path(folder) / 'table.csv'
+        report = run(Task(path, table, 'csv', **options))
+        if report.fault:
+            raise RecordingError(report.fault)
+        made, columns = from_csv(table)
+    return assembled(path, made, columns)
+
+
+def assembled(path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats]) -> Processed:
+    """Return the columns of an output as arrays; KeyError or ValueError if they are not there."""
+    coordinates = tuple(name[7:] for name in columns if name.startswith('angles/'))
+    bands = tuple(name[13:] for name in columns if name.startswith('band_lengths/'))
+    arms = [columns[f'moment_arms/{band}/{each}'] for band in bands for each in coordinates]
+    times = columns['time']
+    if not len(times):
+        raise ValueError('no frames in it')
+    return Processed(
+        title=f'{path.name}: {facts["muscle"]}, {facts["side"]}, {facts["joint_convention"]}',
+        heads={head: tuple(names) for head, names in json.loads(facts['heads']).items()},
+        bands=bands,
+        coordinates=coordinates,
+        times=times,
+        angles=np.column_stack([columns[f'angles/{each}'] for each in coordinates]),
+        lengths=np.column_stack([columns[f'band_lengths/{band}'] for band in bands]),
+        arms=np.column_stack(arms).reshape(len(times), len(bands), 3),
+        wrap=np.column_stack([columns[f'wrap_states/{band}'] for band in bands]).astype(np.uint8),
+    )
