@@ -24,7 +24,8 @@ from matplotlib.lines import Line2D  # noqa: E402
 from visualization_msgs.msg import Marker  # noqa: E402
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver  # noqa: E402
-from linkedplane_ros.markers import HEAD_COLOURS, MuscleMarkers  # noqa: E402
+from linkedplane_ros.colours import HEAD_COLOURS  # noqa: E402
+from linkedplane_ros.markers import MuscleMarkers  # noqa: E402
 
 POSES = {
     'arm at the side': (0, 0, 0),

@@ -181,8 +181,9 @@ def plot(args: argparse.Namespace) -> None:
 
     source = Path(args.output)
     out = Path(args.out) if args.out else source.with_suffix('')
+    processed = read(source)
     for kind in args.kinds or ['png']:
-        for path in save(read(source), out, kind):
+        for path in save(processed, out, kind):
             print(path)
 
 

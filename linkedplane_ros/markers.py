@@ -13,20 +13,12 @@ from geometry_msgs.msg import Point, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from .colours import head_colours
 from .model import BroadMuscle
 from .solver import MuscleState, WrapState
 
 Floats = npt.NDArray[np.float64]
 
-# Okabe and Ito's palette: told apart in print and by colour-blind readers
-HEAD_COLOURS = (
-    (0.84, 0.37, 0.00),
-    (0.00, 0.62, 0.45),
-    (0.00, 0.45, 0.70),
-    (0.80, 0.47, 0.65),
-    (0.94, 0.89, 0.26),
-    (0.34, 0.71, 0.91),
-)
 BONE = (0.89, 0.85, 0.76)
 BAND_WIDTH = 0.004  # m
 ATTACHMENT = 0.006  # m, diameter
@@ -34,14 +26,6 @@ HEAD_RADIUS = 0.024  # m: the humeral head, for the eye alone
 SHAFT_RADIUS = 0.012  # m
 SHAFT_START, SHAFT_END = 0.01, 0.22  # m below the glenohumeral centre
 UP = np.array((0.0, 0.0, 1.0))
-
-
-def head_colours(muscle: BroadMuscle) -> list[tuple[float, float, float]]:
-    """Return each band's colour, (n) red green blue in 0..1: one for each head."""
-    colours = {
-        head.name: HEAD_COLOURS[i % len(HEAD_COLOURS)] for i, head in enumerate(muscle.heads)
-    }
-    return [colours[muscle.head_of(band)] for band in muscle.band_names]
 
 
 class Pace:

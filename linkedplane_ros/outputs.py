@@ -66,6 +66,8 @@ def in_place(path: Path, force: bool) -> Iterator[Path]:
     """Give a path to write to; what stands there at the end takes its place, or is removed."""
     if path.exists() and not force:
         raise RecordingError(f'{path}: exists; --force to replace it')
+    if path.is_dir() and not (path / 'metadata.yaml').is_file():
+        raise RecordingError(f'{path}: a folder that is no bag; not replaced')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
     # under its own name: a bag writes that into its files
@@ -74,9 +76,9 @@ def in_place(path: Path, force: bool) -> Iterator[Path]:
         remove(workshop)
         workshop.mkdir()
         yield workshop / path.name
-        if path.exists():
-            remove(path)
-        (workshop / path.name).rename(path)
+        if path.is_dir():
+            path.rename(workshop / 'replaced')
+        (workshop / path.name).replace(path)
     except OSError as error:
         raise RecordingError(f'{path}: not written: {error.strerror or error}') from None
     finally:
@@ -236,6 +238,7 @@ class BagOutput:
         for topic, kind in TYPES.items():
             full = f'/{described.muscle}/{topic}'
             self._topics[topic] = self._writer.add_connection(full, kind, typestore=store)
+        self._joints: Any = None
         if source is None:
             self._joints = self._writer.add_connection(
                 '/joint_states', JOINT_STATE, typestore=store
@@ -256,7 +259,7 @@ class BagOutput:
         answers = list(zip(*made.values(), strict=True))
         topics = list(self._topics.values())
         write = self._writer.write
-        if not chunk.records:
+        if self._joints is not None:
             joints = self._states.filled(chunk.stamps, chunk.angles, chunk.speeds)
             for time, message, messages in zip(chunk.stamps.tolist(), joints, answers, strict=True):
                 write(self._joints, time, message)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .colours import HEAD_COLOURS
 from .recordings import RecordingError
 
 if TYPE_CHECKING:
@@ -40,15 +41,6 @@ CELLS = 2000  # places told apart along a strip of wrap states
 STILL = 1e-3  # s or deg: what moves less is shown in the middle of 1 s or 1 deg
 DATE = 1e6  # s: times from here on are dates, shown from the first on
 
-# Okabe and Ito's palette, as for the markers
-COLOURS: tuple[Colour, ...] = (
-    (0.84, 0.37, 0.00),
-    (0.00, 0.62, 0.45),
-    (0.00, 0.45, 0.70),
-    (0.80, 0.47, 0.65),
-    (0.94, 0.89, 0.26),
-    (0.34, 0.71, 0.91),
-)
 GREY = np.array((0.299, 0.587, 0.114))  # of red, green and blue (ITU-R BT.601)
 DARKEST, ALONE, LIGHTEST = 0.12, 0.4, 0.68  # greys of a head's first, only and last band
 DASHES: tuple[Any, ...] = ((0, (1.2, 0.9)), (0, (5.0, 1.3)), '-')  # of the last bands of a head
@@ -207,7 +199,7 @@ def _figure(processed: Processed, x: Floats, label: str, crowded: bool) -> Figur
         panels[0, 0].set_xlim(finite[0] - 0.5, finite[0] + 0.5)
     quantities = (processed.lengths, *np.moveaxis(processed.arms, 2, 0))
     for column, (head, names) in enumerate(processed.heads.items()):
-        colours = shades(COLOURS[column % len(COLOURS)], len(names))
+        colours = shades(HEAD_COLOURS[column % len(HEAD_COLOURS)], len(names))
         for lane, (name, colour) in enumerate(zip(names, colours, strict=True)):
             band = processed.bands.index(name)
             # dark, broken lines lie on light, whole ones

@@ -23,7 +23,8 @@ from linkedplane_ros import (
     MuscleState,
     WrapState,
 )
-from linkedplane_ros.markers import BONE, MuscleMarkers, head_colours, upright_turned
+from linkedplane_ros.colours import head_colours
+from linkedplane_ros.markers import BONE, MuscleMarkers, upright_turned
 
 EXACT = 1e-12  # m: a marker holds the solver's numbers
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']

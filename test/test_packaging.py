@@ -20,6 +20,7 @@ SOURCES = TOP / 'linkedplane_ros'
 PURE = (
     '__init__',
     'band',
+    'colours',
     'compiled',
     'conventions',
     'frames',

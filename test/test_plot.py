@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
+from linkedplane_ros.colours import HEAD_COLOURS
 from linkedplane_ros.plot import (
-    COLOURS,
     CROWDED,
     MOST,
     STATES,
@@ -180,21 +180,14 @@ def test_the_bands_of_a_head_differ_in_grey_and_in_line_style(made: dict[str, Fi
 
 @pytest.mark.parametrize('count', [2, 3, 9])
 def test_the_shades_of_every_colour_have_evenly_spaced_greys(count: int) -> None:
-    for colour in COLOURS:
+    for colour in HEAD_COLOURS:
         steps = np.diff([grey(shade) for shade in shades(colour, count)])
         assert steps == pytest.approx(steps[0])
         assert steps[0] > 0.5 / count
 
 
 def test_a_band_alone_is_dark_enough_for_paper_whatever_its_colour() -> None:
-    assert all(grey(shades(colour, 1)[0]) < 0.5 for colour in COLOURS)
-
-
-def test_heads_have_the_colours_of_the_markers() -> None:
-    pytest.importorskip('visualization_msgs')
-    from linkedplane_ros.markers import HEAD_COLOURS
-
-    assert COLOURS == HEAD_COLOURS
+    assert all(grey(shades(colour, 1)[0]) < 0.5 for colour in HEAD_COLOURS)
 
 
 def test_the_wrap_states_have_a_legend_and_differ_in_grey(made: dict[str, Figure]) -> None:
@@ -377,7 +370,7 @@ def test_without_matplotlib_the_reason_names_what_to_install(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
-    with pytest.raises(RecordingError, match='^a picture needs the matplotlib library: pip'):
+    with pytest.raises(RecordingError, match=r'^a picture needs the matplotlib library: pip'):
         figures(ONE_HEAD)
 
 

@@ -157,6 +157,13 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
     assert dict(report.refused) == {'not_finite': 1, 'degrees': 1, 'no_joint': 1, 'sizes': 1}
 
 
+def test_a_bag_may_end_with_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr('linkedplane_ros.motion.ROWS', 10)
+    sent = [joint_state(k) for k in range(20)]
+    assert run(Task(write(tmp_path / 'in', sent), tmp_path / 'out')).fault == ''
+    assert [each for each in contents(tmp_path / 'out') if each[0] == '/joint_states'] == sent
+
+
 def test_each_answer_stands_behind_its_message_and_has_its_time(tmp_path: Path) -> None:
     source = write(tmp_path / 'in', odd_motion())
     run(Task(source, tmp_path / 'out'))

@@ -1,0 +1,23 @@
+"""The colours of the heads, the same in every picture."""
+
+from __future__ import annotations
+
+from .model import BroadMuscle
+
+# Okabe and Ito's palette: told apart in print and by colour-blind readers
+HEAD_COLOURS = (
+    (0.84, 0.37, 0.00),
+    (0.00, 0.62, 0.45),
+    (0.00, 0.45, 0.70),
+    (0.80, 0.47, 0.65),
+    (0.94, 0.89, 0.26),
+    (0.34, 0.71, 0.91),
+)
+
+
+def head_colours(muscle: BroadMuscle) -> list[tuple[float, float, float]]:
+    """Return each band's colour, (n) red green blue in 0..1: one for each head."""
+    colours = {
+        head.name: HEAD_COLOURS[i % len(HEAD_COLOURS)] for i, head in enumerate(muscle.heads)
+    }
+    return [colours[muscle.head_of(band)] for band in muscle.band_names]
