@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import recordings
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, solver
 from linkedplane_ros.compiled import COMPILED
@@ -200,6 +201,7 @@ def measure() -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as empty:
         figures['start cold'] = start_up(1, NUMBA_CACHE_DIR=empty)
     figures['start uncompiled'] = start_up(5, LINKEDPLANE_COMPILE='0')
+    figures['recordings'] = recordings.measure()
     figures['latency'] = json.loads(output(str(HERE / 'latency.py')))
     return figures
 
@@ -244,6 +246,15 @@ def table(figures: dict[str, Any]) -> str:
         ('process start to first answer, cached', f'{figures["start cached"]:.2f} s', ''),
         ('... not cached: compiling', f'{figures["start cold"]:.1f} s', ''),
         ('... uncompiled', f'{figures["start uncompiled"]:.2f} s', ''),
+    ]
+    rows += [
+        (
+            f'linkedplane process, a bag into {case}',
+            f'{each["processing"]:,.0f} frames/s',
+            f'reading and writing the result alone: {each["copying"]:,.0f}; '
+            f'{each["copying"] / each["processing"]:.1f} times as fast',
+        )
+        for case, each in figures['recordings'].items()
     ]
     rows += latency_rows(figures['latency'])
     lines = [f'| {figures["machine"]} | | |', '| --- | ---: | --- |']

@@ -76,7 +76,7 @@ def tasks(inputs: Sequence[Path], target: Path, **options: Any) -> list[Task]:
 
     Several recordings, or a folder of them, go into the target as a folder.
     """
-    sources = [source for each in inputs for source in recordings_in(each)]
+    sources = list(dict.fromkeys(source for each in inputs for source in recordings_in(each)))
     if len(sources) == 1 and sources[0] in inputs and not target.is_dir():
         return [Task(sources[0], target, **options)]
     if len(sources) == 1 and sources[0] in inputs and is_bag(target):
@@ -202,6 +202,8 @@ def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Re
         solver = LinkedPlaneSolver(muscle, task.side)
         JOINT_CONVENTIONS[task.convention].rotation((0.0, 0.0, 0.0))
         begin = perf_counter()  # all is compiled
+        if task.target.resolve() == task.source.resolve():
+            raise RecordingError(f'{task.source}: its own output; choose another')
         motion = motion_of(task)
         kind = format_of(task.target, task.kind)
         bag = task.source if not isinstance(motion, (TableMotion, Smoothed)) else None

@@ -96,7 +96,7 @@ def kin(drawn: tuple[list[str], list[float], list[float], int], count: int) -> I
         yield message
 
 
-EXAMPLES, EACH = 1000, 100
+EXAMPLES, EACH = 400, 250
 
 
 def test_a_hundred_thousand_odd_messages_are_answered_or_counted(ros: None) -> None:
@@ -143,7 +143,7 @@ def began(process: NodeProcess) -> None:
         taken = taken or caught
 
 
-MOMENTS = (0.0, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5)  # s
+MOMENTS = (0.0, 0.1, 0.3, 0.6, 1.0)  # s
 
 
 @pytest.mark.parametrize('how', [signal.SIGINT, signal.SIGTERM])

@@ -26,6 +26,7 @@ from linkedplane_ros.cli import main
 from linkedplane_ros.frames import Bones, glenohumeral
 from linkedplane_ros.node import MuscleStatePublisher
 from linkedplane_ros.process import Task, recordings_in, run, run_all
+from linkedplane_ros.serialized import JointStates
 
 NAMES = ('flexion', 'abduction', 'rotation')
 BAG = Path(__file__).parent.parent / 'msg_examples' / 'arm_raise'
@@ -541,6 +542,26 @@ def test_a_full_disk_is_one_line(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_recording_is_not_its_own_output(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / 'in.csv'
+    source.write_text('time,flexion,abduction,rotation\n0,0.1,0.2,0.3\n')
+    before = source.read_bytes()
+    assert 'its own output' in refused(capsys, str(source), str(source), '--force')
+    assert source.read_bytes() == before
+
+
+def test_a_folder_that_is_no_bag_is_not_replaced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'arm_raise').mkdir()
+    (tmp_path / 'arm_raise' / 'thesis.txt').write_text('precious')
+    line = refused(capsys, str(BAG), str(BAG.parent), str(tmp_path), '--force')
+    assert 'no bag; not replaced' in line
+    assert (tmp_path / 'arm_raise' / 'thesis.txt').read_text() == 'precious'
+
+
 def test_a_bag_is_not_processed_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = write(tmp_path / 'in', odd_motion())
     assert exit_status([str(source), str(tmp_path / 'once')]) == 0
@@ -593,6 +614,39 @@ def test_a_cluster_that_is_not_there_is_one_line(
     source = write(tmp_path / 'in', odd_motion())
     line = refused(capsys, str(source), str(tmp_path / 'x'), '--dask', 'tcp://127.0.0.1:9')
     assert '--dask tcp://127.0.0.1:9: not reached' in line
+
+
+MEMORY = """
+import resource, sys
+from pathlib import Path
+from linkedplane_ros.process import Task, run
+seen, held = [0], []
+def progress(frames):
+    seen[0] += frames
+    held.append((seen[0], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024))
+report = run(Task(Path(sys.argv[1]), Path(sys.argv[2])), progress)
+assert not report.fault, report.fault
+print(held[-1][0], held[-1][1] - next(mib for count, mib in held if count >= 10_000))
+"""
+
+
+@pytest.mark.parametrize('ending', ['', '.csv', '.parquet'])
+def test_memory_does_not_grow_with_the_recording(tmp_path: Path, ending: str) -> None:
+    pytest.importorskip('resource')
+    names = list(NAMES)
+    stamps = T0 + np.arange(30_000) * 10**7
+    angles = np.tile((0.5, 0.4, 0.2), (len(stamps), 1))
+    messages = JointStates(STORE, names, '').filled(stamps, angles, angles)
+    kind = 'sensor_msgs/msg/JointState'
+    source = write(
+        tmp_path / 'in',
+        [('/joint_states', kind, t, m) for t, m in zip(stamps.tolist(), messages, strict=True)],
+    )
+    command = [sys.executable, '-c', MEMORY, str(source), str(tmp_path / f'out{ending}')]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    frames, growth = ended.stdout.split()
+    assert int(frames) == 30_000
+    assert float(growth) < 6.0  # MiB: the answers to the rest are 12
 
 
 # Plots
