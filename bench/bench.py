@@ -129,7 +129,11 @@ def output(code: str, **environment: str) -> str:
     """Run Python code, or a file of it, in a process of its own and return what it prints."""
     run = subprocess.run(
         [sys.executable, *([code] if code.endswith('.py') else ['-c', code])],
-        env={**os.environ, 'PYTHONPATH': str(HERE), **environment},
+        env={
+            **os.environ,
+            'PYTHONPATH': os.pathsep.join((str(HERE), *sys.path[1:])),
+            **environment,
+        },
         check=True,
         capture_output=True,
         text=True,

@@ -5,6 +5,7 @@ What it takes is what any node in Python takes; what ours takes beyond it is the
 
 from __future__ import annotations
 
+import gc
 from contextlib import suppress
 from time import perf_counter
 
@@ -15,6 +16,10 @@ from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ros_environment
 ros_environment.prepare()
 
 import rclpy  # noqa: E402
+from rclpy.event_handler import (  # noqa: E402
+    PublisherEventCallbacks,
+    SubscriptionEventCallbacks,
+)
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
@@ -38,11 +43,20 @@ class PassThrough(Node):
         self.answers = Answers(muscle.band_names, ('x', 'y', 'z'), 'scapula')
         self.outputs = {
             name: self.create_publisher(
-                kind, f'deltoid/{name}', qos.markers() if name == 'markers' else qos.answers()
+                kind,
+                f'deltoid/{name}',
+                qos.markers() if name == 'markers' else qos.answers(),
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
             )
             for name, kind in OUTPUTS.items()
         }
-        self.create_subscription(JointState, 'joint_states', self.answer, qos.joint_states())
+        self.create_subscription(
+            JointState,
+            'joint_states',
+            self.answer,
+            qos.joint_states(),
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+        )
 
     def answer(self, message: JointState) -> None:
         """Publish what there is."""
@@ -61,5 +75,7 @@ if __name__ == '__main__':
     rclpy.init()
     executor = SingleThreadedExecutor()
     executor.add_node(PassThrough())
+    gc.collect()
+    gc.freeze()
     with suppress(KeyboardInterrupt, ExternalShutdownException):
         executor.spin()

@@ -138,6 +138,8 @@ def process(args: argparse.Namespace) -> None:
         raise ValueError('--rhythm: for angles against the thorax alone (--thorax)')
     if (args.humerus is None) != (args.scapula is None and args.thorax is None):
         raise ValueError('--humerus NAME goes with --scapula NAME or --thorax NAME')
+    if '' in (args.humerus, args.scapula, args.thorax):
+        raise ValueError('--humerus, --scapula, --thorax: a name expected')
     bones = args.humerus and Bones(
         args.humerus, args.scapula, args.thorax, args.frame_axes, args.rhythm or 2.0
     )
@@ -160,9 +162,13 @@ def process(args: argparse.Namespace) -> None:
         'lowpass': args.lowpass,
         'force': args.force,
     }
-    tasks = work.tasks([Path(each) for each in args.inputs], Path(args.out), **options)
+    inputs = [found for each in args.inputs for found in work.matching(each)]
+    tasks = work.tasks(inputs, Path(args.out), **options)
     if len(tasks) > 1 or tasks[0].target.parent == Path(args.out):
-        Path(args.out).mkdir(parents=True, exist_ok=True)
+        try:
+            Path(args.out).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ValueError(f'{args.out}: no folder to write into: {error.strerror}') from None
     failed = 0
     with bar(tasks) as advance:
         for report in work.run_all(tasks, args.jobs, args.dask, advance):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -64,11 +65,12 @@ def milliseconds(times: deque[float]) -> dict[str, str]:
     """Return mean, 99th percentile and worst of times (s) as text in ms."""
     if not times:
         return dict.fromkeys(('mean', 'p99', 'worst'), 'none')
-    values = np.array(times) * 1e3
-    figures = values.mean(), np.percentile(values, 99), values.max()
-    return {
-        name: f'{value:.3f}' for name, value in zip(('mean', 'p99', 'worst'), figures, strict=True)
-    }
+    values = np.sort(np.fromiter(times, np.float64, len(times)))
+    place = 0.99 * (len(values) - 1)
+    below = values[int(place)]
+    p99 = below + (place - int(place)) * (values[math.ceil(place)] - below)
+    figures = {'mean': values.mean(), 'p99': p99, 'worst': values[-1]}
+    return {name: f'{1e3 * value:.3f}' for name, value in figures.items()}
 
 
 def diagnostics(

@@ -1,7 +1,7 @@
 """From the poses of bones to joint angles: the humerus against the scapula, or the thorax.
 
-A pose is that of a frame fixed to the bone: its axes are the model's (x lateral, y anterior,
-z superior; right shoulder) or ISB's (x anterior, y superior, z lateral).
+A pose is that of a frame fixed to the bone: its axes are the model's (x to the body's right,
+y anterior, z superior) or ISB's (x anterior, y superior, z to the body's right), on both sides.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ FRAME_AXES = {
     'model': np.eye(3),
     'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
+
+
+MIRROR = np.diag((-1.0, 1.0, 1.0))  # x -> -x
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,10 @@ class PoseMemory:
 
     bones: Bones
     convention: JointConvention
+    side: str = 'right'
     poses: dict[str, Floats] = field(default_factory=dict)
     parents: dict[str, str] = field(default_factory=dict)
+    _stamps: dict[str, int] = field(default_factory=dict)
 
     def wants(self, topic: str, kind: str) -> bool:
         """Return whether a topic may have poses of the two bones."""
@@ -60,22 +65,32 @@ class PoseMemory:
         return (named and kind in POSE_TYPES) or kind == TF_TYPE
 
     def take(self, topic: str, message: Any) -> Iterator[tuple[int, Three]]:
-        """Take a message in; yield the stamp, ns, and the angles of each new pose of the humerus.
+        """Take a message in; yield the stamp, ns, and the angles where the humerus has moved.
 
+        Poses on two topics count together where their stamps are the same. In /tf the newest of
+        each frame counts, once for a message that moves the humerus against the other bone.
         Raises Rejected where the pose is no good, or has no angles in the convention.
         """
         tree = hasattr(message, 'transforms')
-        stamps = {}
+        moved = {}
         for each in message.transforms if tree else (message,):
             name = each.child_frame_id.lstrip('/') if tree else topic
-            if tree:
-                self.parents[name] = each.header.frame_id.lstrip('/')
+            self.parents[name] = each.header.frame_id.lstrip('/')
             pose = each.pose.orientation if hasattr(each, 'pose') else each.transform.rotation
             self.poses[name] = rotation(pose.x, pose.y, pose.z, pose.w)
-            stamps[name] = each.header.stamp
-        moved = [stamps[name] for name in self._chain(self.bones.humerus) if name in stamps]
-        if moved and self._known():
-            yield moved[0].sec * 10**9 + moved[0].nanosec, self._angles()
+            moved[name] = each.header.stamp.sec * 10**9 + each.header.stamp.nanosec
+        self._stamps.update(moved)
+        if not self._known():
+            return
+        humerus, base = self.bones.humerus, self.bones.base
+        if tree:
+            above = set(self._chain(base))
+            own = [moved[name] for name in self._chain(humerus)
+                   if name in moved and name not in above]  # fmt: skip
+            if own:
+                yield own[0], self._angles()
+        elif self._stamps[humerus] == self._stamps[base]:
+            yield self._stamps[humerus], self._angles()
 
     def _chain(self, frame: str) -> Iterator[str]:
         """Yield a frame and those it hangs on, up to the root."""
@@ -104,6 +119,8 @@ class PoseMemory:
     def _angles(self) -> Three:
         axes = FRAME_AXES[self.bones.axes]
         R = axes @ self._in_root(self.bones.base).T @ self._in_root(self.bones.humerus) @ axes.T
+        if self.side == 'left':  # the right shoulder's rotation at the same anatomical angles
+            R = MIRROR @ R @ MIRROR
         if self.bones.scapula is None:
             R = glenohumeral(R, self.bones.rhythm)
         try:

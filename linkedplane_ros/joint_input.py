@@ -33,6 +33,13 @@ class JointMap:
     signs: Three
     offsets: Three
 
+    def __post_init__(self) -> None:
+        """Refuse what is no mapping."""
+        if len(set(self.names)) < 3:
+            raise ValueError(f'joints {", ".join(self.names)}: 3 different joints expected')
+        if not all(map(math.isfinite, (*self.signs, *self.offsets))):
+            raise ValueError(f'signs {self.signs}, offsets {self.offsets}: finite numbers expected')
+
 
 @dataclass
 class JointMemory:

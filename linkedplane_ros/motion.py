@@ -22,6 +22,8 @@ Floats = npt.NDArray[np.float64]
 Stamps = npt.NDArray[np.int64]
 
 USUAL = '/joint_states'
+LONGEST = 2.0**31  # s: a stamp holds no more
+BYTES = 2**24  # of a bag's messages, held at a time
 ROWS = 5000  # frames that are worked on at a time
 
 
@@ -73,6 +75,9 @@ class Motion(Protocol):
     @property
     def frames(self) -> int:
         """About how many; 0 if not known."""
+
+    keeps_records: bool
+    """Whether a bag's own messages are wanted with the frames."""
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames."""
@@ -132,6 +137,7 @@ class BagMotion:
         self.path: Path = path
         self.refused: Refused = Refused()
         self.taker = taker
+        self.keeps_records = True
         with closing(opened(path)) as reader:
             wanted = [each for each in reader.connections if taker.wants(each.topic, each.msgtype)]
             self.frames: int = sum(each.msgcount for each in wanted)
@@ -155,7 +161,9 @@ class BagMotion:
         return BagMotion(path, JointTaker(topic or found.pop(), JointMemory(joints)))
 
     @staticmethod
-    def of_poses(path: Path, bones: Bones, convention: JointConvention) -> BagMotion:
+    def of_poses(
+        path: Path, bones: Bones, convention: JointConvention, side: str = 'right'
+    ) -> BagMotion:
         """Return the motion of the humerus against another bone."""
         with closing(opened(path)) as reader:
             topics = {each.topic: each.msgtype for each in reader.connections}
@@ -167,7 +175,7 @@ class BagMotion:
                             f'{path}: {name} is neither a topic of {" or ".join(POSE_TYPES)} '
                             f'nor, for want of /tf, a frame; in it: {held or "nothing"}'
                         )
-        return BagMotion(path, PoseTaker(PoseMemory(bones, convention)))
+        return BagMotion(path, PoseTaker(PoseMemory(bones, convention, side)))
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
@@ -179,7 +187,8 @@ class BagMotion:
                 records: list[Any] = []
                 frames: list[tuple[int, Three, Three | None]] = []
                 answered: list[int] = []
-                while len(records) < ROWS:
+                held = 0  # bytes
+                while len(records) < ROWS and len(frames) < ROWS and held < BYTES:
                     try:
                         connection, time, data = next(messages)
                     except StopIteration:
@@ -187,7 +196,9 @@ class BagMotion:
                         break
                     except Exception as error:  # a broken file breaks in many ways
                         raise RecordingError(f'{self.path}: damaged: {error}') from None
-                    records.append((connection, time, bytes(data)))
+                    if self.keeps_records:
+                        records.append((connection, time, bytes(data)))
+                        held += len(data)
                     if not self.taker.wants(connection.topic, connection.msgtype):
                         continue
                     number += 1
@@ -225,6 +236,7 @@ class TableMotion:
         self.refused: Refused = Refused()
         self.joints = joints
         self.table = Table.open(path)
+        self.keeps_records = False
         self.columns, unit = choose_with_unit(self.table, joints.names)
         stated = self.table.in_degrees if unit is None else unit
         in_degrees = stated if degrees is None else degrees
@@ -254,7 +266,10 @@ class TableMotion:
         with np.errstate(divide='ignore', invalid='ignore'):  # times that stand still
             speeds = differentiated(times, angles)
         speeds[~np.isfinite(speeds).all(axis=1)] = np.nan
-        return Chunk(in_nanoseconds(times[part]), angles[part], speeds[part])
+        try:
+            return Chunk(in_nanoseconds(times[part]), angles[part], speeds[part])
+        except ValueError as error:
+            raise RecordingError(f'{self.path}: {error}') from None
 
     def _usable(self, times: Floats, angles: Floats, row: int) -> npt.NDArray[np.bool_]:
         """Return which rows are angles; the others are refused, as the node does."""
@@ -280,6 +295,7 @@ class Smoothed:
     """Hz; None: as recorded, which has to be constant to be filtered."""
     cutoff: float | None
     """Hz."""
+    keeps_records: bool = False
 
     @property
     def path(self) -> Path:
@@ -298,6 +314,7 @@ class Smoothed:
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames at their new times, with velocities by differences."""
+        self.motion.keeps_records = False
         parts = [(c.stamps, c.angles) for c in self.motion.chunks() if len(c.stamps)]
         if not parts:
             return
@@ -331,7 +348,9 @@ def steady_rate(times: Floats) -> float:
 
 
 def in_nanoseconds(times: Floats) -> Stamps:
-    """Return times (m,), s, as ns."""
+    """Return times (m,), s, as ns; ValueError for times that cannot be seconds."""
+    if len(times) and np.abs(times).max() > LONGEST:
+        raise ValueError(f'time {times[np.abs(times).argmax()]:g}: more than {LONGEST:g} s; ms?')
     return np.asarray(np.rint(times * 1e9), dtype=np.int64)
 
 

@@ -49,9 +49,13 @@ class MuscleStatePublisher(Node):
     def __init__(self, **kwargs: Any) -> None:
         """Declare parameters and topics; ValueError where a parameter cannot be used."""
         super().__init__('muscle_state_publisher', **kwargs)
-        self._apply(self._declared())
         self._tally = Tally()
         self._viewers = 0
+        self._outputs: dict[str, Any] = {}
+        self._cleared = False
+        settings = self._declared()
+        with qos.overrides_in_one_line():
+            self._apply(settings, self._made_outputs(settings))
         self._diagnostics = self.create_publisher(
             DiagnosticArray,
             '/diagnostics',
@@ -94,47 +98,54 @@ class MuscleStatePublisher(Node):
         finally:
             notice.cancel()
 
-    def _apply(self, settings: parameters.Settings) -> None:
-        """Work with these settings from now on."""
+    def _apply(self, settings: parameters.Settings, outputs: dict[str, Any]) -> None:
+        """Work with these settings from now on, and publish there."""
+        gone = outputs is not self._outputs and self._outputs
+        if self._cleared and (gone or not settings.markers_enabled):  # leave no muscle behind
+            self._outputs['markers'].publish(self._markers.clear(self._last_stamp))
+        for publisher in gone.values() if gone else ():
+            self.destroy_publisher(publisher)
         memory = getattr(self, '_memory', None)
         if memory is None or memory.joints != settings.joints:
             self._memory = JointMemory(settings.joints)
-        self._settings = settings
         muscle = settings.solver.muscle
+        self._settings, self._outputs, self._cleared = settings, outputs, False
+        self._tally.last_state = None  # that of other settings
         self._markers = MuscleMarkers(muscle, settings.frame_id, settings.markers_points)
         self._pace = Pace(settings.markers_rate)
         self._answers = Answers(
             muscle.band_names, settings.convention.coordinates, settings.frame_id
         )
-        with qos.overrides_in_one_line():
-            self._advertise(muscle.name)
 
-    def _advertise(self, muscle: str) -> None:
-        """Create the output topics, named after the muscle, unless they are there already."""
-        self._cleared = False
-        if getattr(self, '_prefix', None) == muscle:
-            return
-        if hasattr(self, '_prefix'):
-            for publisher in self._outputs.values():
+    def _made_outputs(self, settings: parameters.Settings) -> dict[str, Any]:
+        """Return the publishers, named after the muscle; those there are if it has the name."""
+        name = settings.solver.muscle.name
+        if self._outputs and self._settings.solver.muscle.name == name:
+            return self._outputs
+        made: dict[str, Any] = {}
+        try:
+            for topic, kind in OUTPUTS.items():
+                made[topic] = self.create_publisher(
+                    kind,
+                    f'{name}/{topic}',
+                    qos.markers() if topic == 'markers' else qos.answers(),
+                    event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+                    qos_overriding_options=qos.overridable(),
+                )
+        except RuntimeError:
+            for publisher in made.values():
                 self.destroy_publisher(publisher)
-        self._prefix = muscle
-        self._outputs = {
-            name: self.create_publisher(
-                kind,
-                f'{muscle}/{name}',
-                qos.markers() if name == 'markers' else qos.answers(),
-                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-                qos_overriding_options=qos.overridable(),
-            )
-            for name, kind in OUTPUTS.items()
-        }
+            raise
+        return made
 
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         """Accept a batch of parameter changes if the whole of it can be worked with."""
         if not any(change.name in parameters.NAMES for change in changes):
             return SetParametersResult(successful=True)
         try:
-            self._candidate = parameters.Settings.from_values(self._values(changes))
+            settings = parameters.Settings.from_values(self._values(changes))
+            with qos.overrides_in_one_line():
+                self._candidate = settings, self._made_outputs(settings)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
@@ -142,7 +153,7 @@ class MuscleStatePublisher(Node):
     def _change(self, changes: list[Parameter]) -> None:
         """Work with accepted parameters."""
         if any(change.name in parameters.NAMES for change in changes):
-            self._apply(self._candidate)
+            self._apply(*self._candidate)
 
     def _values(self, changes: list[Parameter]) -> dict[str, Any]:
         values = {name: self.get_parameter(name).value for name in parameters.NAMES}

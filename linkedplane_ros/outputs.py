@@ -62,12 +62,12 @@ class Output(Protocol):
 
 
 @contextmanager
-def in_place(path: Path, force: bool) -> Iterator[Path]:
+def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
     """Give a path to write to; what stands there at the end takes its place, or is removed."""
     if path.exists() and not force:
         raise RecordingError(f'{path}: exists; --force to replace it')
-    if path.is_dir() and not (path / 'metadata.yaml').is_file():
-        raise RecordingError(f'{path}: a folder that is no bag; not replaced')
+    if path.is_dir() and not (bag and (path / 'metadata.yaml').is_file()):
+        raise RecordingError(f'{path}: a folder; only a bag is replaced, and by a bag alone')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
     # under its own name: a bag writes that into its files
@@ -78,7 +78,12 @@ def in_place(path: Path, force: bool) -> Iterator[Path]:
         yield workshop / path.name
         if path.is_dir():
             path.rename(workshop / 'replaced')
-        (workshop / path.name).replace(path)
+        try:
+            (workshop / path.name).replace(path)
+        except OSError:
+            if (workshop / 'replaced').exists():
+                (workshop / 'replaced').rename(path)
+            raise
     except OSError as error:
         raise RecordingError(f'{path}: not written: {error.strerror or error}') from None
     finally:
@@ -141,7 +146,7 @@ class CsvOutput:
         for row, states, ns in zip(
             numbers.tolist(), wrap.tolist(), solved.chunk.stamps.tolist(), strict=True
         ):
-            time = f'{ns // 10**9}.{ns % 10**9:09d}'
+            time = f'{"-" * (ns < 0)}{abs(ns) // 10**9}.{abs(ns) % 10**9:09d}'
             cells = ','.join(['' if x != x else repr(x) for x in row[1:]])
             self._file.write(f'{time},{cells},{",".join(map(str, states))}\n')
 
@@ -228,7 +233,7 @@ class BagOutput:
                 each.topic,
                 each.msgtype,
                 msgdef=each.msgdef.data,
-                rihs01=each.digest,
+                rihs01=each.digest or digest(each),
                 serialization_format=each.ext.serialization_format,
                 offered_qos_profiles=each.ext.offered_qos_profiles,
             )
@@ -276,6 +281,17 @@ class BagOutput:
     def close(self) -> None:
         """Finish."""
         self._writer.close()
+
+
+def digest(connection: Any) -> str:
+    """Return the hash of a message type, for a bag that does not tell it."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    if connection.msgtype not in store.fielddefs:
+        store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
+    made: str = store.hash_rihs01(connection.msgtype)
+    return made
 
 
 def files_of(bag: Path) -> list[Path]:

@@ -10,6 +10,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from glob import glob, has_magic
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -83,7 +84,8 @@ def tasks(inputs: Sequence[Path], target: Path, **options: Any) -> list[Task]:
         return [Task(sources[0], target, **options)]
     kind = options.pop('kind', None) or 'bag'
     made = [
-        Task(source, target / (source.stem + ENDINGS[kind]), kind, **options) for source in sources
+        Task(source, target / (plain_name(source) + ENDINGS[kind]), kind, **options)
+        for source in sources
     ]
     seen: dict[Path, Path] = {}
     for task in made:
@@ -94,6 +96,21 @@ def tasks(inputs: Sequence[Path], target: Path, **options: Any) -> list[Task]:
             )
         seen[task.target] = task.source
     return made
+
+
+def matching(pattern: str) -> list[Path]:
+    """Return the paths that match a pattern in the order of their names, or the path it is."""
+    if Path(pattern).exists() or not has_magic(pattern):
+        return [Path(pattern)]
+    found = sorted(glob(pattern, recursive=True))
+    if not found:
+        raise RecordingError(f'{pattern}: nothing matches')
+    return [Path(each) for each in found]
+
+
+def plain_name(path: Path) -> str:
+    """Return a recording's name without the ending of a file; a folder's name has none."""
+    return path.name if path.is_dir() else path.stem
 
 
 def recordings_in(path: Path) -> Iterator[Path]:
@@ -127,7 +144,7 @@ def motion_of(task: Task) -> Motion:
             raise RecordingError(f'{task.source}: a table has no frames; --humerus is for bags')
         motion = TableMotion(task.source, joints, task.degrees)
     elif task.bones is not None:
-        motion = BagMotion.of_poses(task.source, task.bones, convention)
+        motion = BagMotion.of_poses(task.source, task.bones, convention, task.side)
     else:
         motion = BagMotion.of_joints(task.source, joints, task.topic)
     if task.rate is None and task.lowpass is None:
@@ -157,7 +174,9 @@ def described(task: Task, muscle: BroadMuscle) -> Described:
         'lowpass_hz': 'no'
         if task.lowpass is None
         else f'{task.lowpass:g} (Butterworth, both ways: no lag)',
-        'velocities': 'differentiated' if table or smoothed else 'recorded',
+        'velocities': 'differentiated'
+        if table or smoothed
+        else 'recorded, where the recording has them',
         'made_anew': 'yes' if smoothed else 'no',
         'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
     }
@@ -202,13 +221,15 @@ def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Re
         solver = LinkedPlaneSolver(muscle, task.side)
         JOINT_CONVENTIONS[task.convention].rotation((0.0, 0.0, 0.0))
         begin = perf_counter()  # all is compiled
-        if task.target.resolve() == task.source.resolve():
-            raise RecordingError(f'{task.source}: its own output; choose another')
+        target, source = task.target.resolve(), task.source.resolve()
+        if target == source or target in source.parents:
+            raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
         motion = motion_of(task)
         kind = format_of(task.target, task.kind)
         bag = task.source if not isinstance(motion, (TableMotion, Smoothed)) else None
         frames = outside = 0
-        with in_place(task.target, task.force) as beside:
+        motion.keeps_records = bag is not None and kind == 'bag'
+        with in_place(task.target, task.force, kind == 'bag') as beside:
             out = output(beside, kind, described(task, muscle), bag if kind == 'bag' else None)
             try:
                 for chunk in motion.chunks():
@@ -224,6 +245,9 @@ def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Re
                 raise RecordingError(f'{task.source}: nothing was usable: {first}')
     except ValueError as error:
         return Report(task, fault=str(error))
+    except Exception as error:  # whatever it is, the other recordings are still done
+        text = (str(error).splitlines() or [''])[0]
+        return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')
     refused = motion.refused
     return Report(
         task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside
@@ -241,8 +265,23 @@ def run_all(
             yield run(task, progress)
     else:
         with ProcessPoolExecutor(jobs) as pool:
-            for future in as_completed([pool.submit(run, task) for task in all_tasks]):
-                yield future.result()
+            futures = {pool.submit(run, task): task for task in all_tasks}
+            try:
+                for future in as_completed(futures):
+                    yield outcome(future, futures[future])
+            except BaseException:  # interrupted: begin nothing more
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+
+
+def outcome(future: Any, task: Task) -> Report:
+    """Return the report of a task that was worked on elsewhere; a worker may have died."""
+    try:
+        report: Report = future.result()
+    except Exception as error:
+        text = (str(error).splitlines() or [''])[0]
+        return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')
+    return report
 
 
 def run_on_cluster(all_tasks: Sequence[Task], address: str) -> Iterator[Report]:
@@ -258,5 +297,6 @@ def run_on_cluster(all_tasks: Sequence[Task], address: str) -> Iterator[Report]:
     except (OSError, ValueError) as error:
         raise RecordingError(f'--dask {address}: not reached: {error}') from None
     with client:
-        for future in as_completed([client.submit(run, task, pure=False) for task in all_tasks]):
-            yield future.result()
+        futures = {client.submit(run, task, pure=False): task for task in all_tasks}
+        for future in as_completed(list(futures)):
+            yield outcome(future, futures[future])

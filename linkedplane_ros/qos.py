@@ -85,6 +85,12 @@ def misfits(node: Node, end: Publisher | Subscription) -> list[str]:
     for makes every wait of the executor longer.
     """
     topic = end.topic_name
+    if isinstance(end, Publisher):
+        strangers = node.count_subscribers(topic) - end.get_subscription_count()
+    else:
+        strangers = node.count_publishers(topic) - end.get_publisher_count()
+    if strangers <= 0:
+        return []
     own = QoSProfile(  # with what is left open as the graph tells it of the peers
         depth=1,
         reliability=end.qos_profile.reliability,

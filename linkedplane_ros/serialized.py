@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .layouts import BAND, dimensions
-from .recordings import JOINT_STATE
+from .recordings import JOINT_STATE, RecordingError
 
 Floats = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
@@ -86,6 +86,8 @@ class JointStates:
         Where a velocity is NaN, not known, that message has none.
         """
         seconds, rest = np.divmod(stamps, 10**9)
+        if len(seconds) and not -(2**31) <= seconds.min() <= seconds.max() < 2**31:
+            raise RecordingError('a stamp holds whole seconds below 2^31: times in s expected')
         split = np.column_stack((seconds.astype('<i4').view('<u4'), rest.astype('<u4')))
         made = self._still.filled(len(stamps), stamp=split, position=positions)
         known = np.flatnonzero(np.isfinite(velocities).all(axis=1))

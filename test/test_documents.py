@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import yaml
 from builtin_interfaces.msg import Time
+from ros_harness import Peer
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.markers import MuscleMarkers
-from linkedplane_ros.node import OUTPUTS
+from linkedplane_ros.node import OUTPUTS, MuscleStatePublisher
 from linkedplane_ros.parameters import SPECS, markdown
 
 TOP = Path(__file__).parent.parent
@@ -103,3 +104,11 @@ def test_every_foxglove_panel_stands_in_the_layout_once() -> None:
 @pytest.mark.parametrize('topic', OUTPUTS)
 def test_the_readme_has_every_topic(topic: str) -> None:
     assert f'`deltoid/{topic}`' in README
+
+
+def test_the_aggregator_is_set_to_the_names_of_the_nodes(node: MuscleStatePublisher, peer: Peer
+                                                         ) -> None:  # fmt: skip
+    file = yaml.safe_load((TOP / 'config' / 'diagnostic_aggregator.yaml').read_text())
+    [word] = file['/**']['ros__parameters']['muscles']['contains']
+    assert peer.until(lambda: bool(peer.diagnostics))
+    assert word in peer.diagnostics[-1].status[0].name

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from array import array
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -89,7 +90,10 @@ def kin(drawn: tuple[list[str], list[float], list[float], int], count: int) -> I
             n = [f'joint_{i}' for i in range(10_000)] + n
             q = [0.1] * 10_000 + q
             v = []
-        message = JointState(name=n, position=q, velocity=v)
+        # unchecked, as the middleware makes them
+        message = JointState(
+            name=n, position=array('d', q), velocity=array('d', v), check_fields=False
+        )
         # 1 kHz, and now and then a jump
         start += 10**6 if chance.random() < 0.95 else chance.randrange(-(10**9), 10**9)
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(start, 10**9)

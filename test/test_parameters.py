@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.parameter import Parameter
 from ros_harness import Peer
@@ -368,6 +369,61 @@ def test_a_change_of_muscle_moves_the_topics_there_and_back(
             assert f'/{gone}/moment_arms' not in found
     peer.executor_of_its_own.remove_node(thin)
     thin.destroy_node()
+
+
+def thin_muscle(folder: Path) -> str:
+    """Return the path of a model of another name and fewer bands."""
+    model = yaml.safe_load(MODEL)
+    model['name'] = 'thin'
+    model['bands']['names'] = model['bands']['names'][:3]
+    model['heads'] = {'anterior': model['heads']['anterior']}
+    path = folder / 'thin.yaml'
+    path.write_text(yaml.safe_dump(model))
+    return str(path)
+
+
+def test_a_muscle_changed_while_the_input_rests_does_no_harm_to_a_new_viewer(
+    node: MuscleStatePublisher, peer: Peer, tmp_path: Path
+) -> None:
+    answer(peer)
+    assert change(node, muscle=thin_muscle(tmp_path)).successful
+    thin = Peer('thin')
+    thin.executor_of_its_own = peer.executor_of_its_own
+    peer.executor_of_its_own.add_node(thin)
+    count = len(peer.diagnostics)
+    assert peer.until(lambda: len(peer.diagnostics) > count + 2)
+    assert thin.got['markers'] == []
+    while not thin.got['band_lengths']:
+        peer.send(THESIS.coordinates, POSE)
+        peer.until(lambda: bool(thin.got['band_lengths']), 0.2)
+    assert len(thin.got['band_lengths'][0].data) == 3
+    peer.executor_of_its_own.remove_node(thin)
+    thin.destroy_node()
+
+
+@pytest.mark.parametrize('how', ['disabled', 'another muscle'])
+def test_no_muscle_is_left_behind_in_a_viewer(
+    node: MuscleStatePublisher, peer: Peer, tmp_path: Path, how: str
+) -> None:
+    answer(peer)
+    assert peer.until(lambda: len(peer.got['markers']) >= 2)
+    changes = {'markers.enabled': False} if how == 'disabled' else {
+        'muscle': thin_muscle(tmp_path)}  # fmt: skip
+    assert change(node, **changes).successful
+    assert peer.until(lambda: peer.got['markers'][-1].markers[0].action == Marker.DELETEALL)
+
+
+def test_a_muscle_with_a_wrong_quality_of_service_is_refused_and_the_old_one_works_on(
+    ros: None, tmp_path: Path
+) -> None:
+    override = as_sent('qos_overrides./thin/markers.publisher.reliability', 'fast')
+    made = MuscleStatePublisher(parameter_overrides=[override])
+    with connected(made) as peer:
+        result = change(made, muscle=thin_muscle(tmp_path))
+        assert not result.successful
+        assert 'reliable or best_effort' in result.reason
+        assert same(answer(peer), solved())
+    made.destroy_node()
 
 
 NO_TOPIC = 'my muscle'
