@@ -81,6 +81,11 @@ class JointConvention:
     def _unmixed(self, turns: Floats) -> Floats:
         return np.asarray(np.linalg.solve(self._mix, turns), dtype=np.float64)
 
+    @property
+    def sequence_and_mix(self) -> tuple[Floats, Floats]:
+        """(3, 3) the unit axes of the turns, by rows, and the mix, as the kernels take them."""
+        return self._units, self._mix
+
     @cached_property
     def _units(self) -> Floats:
         axes = np.array(self.sequence, dtype=np.float64)

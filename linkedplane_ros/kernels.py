@@ -8,6 +8,7 @@ from typing import Any
 
 from .band import WRAPPED, wrap
 from .compiled import compiled, entry, fingerprint
+from .conventions import turn_in_sequence
 from .least_length import solve_theta
 from .linked_planes import (
     Muscle,
@@ -84,6 +85,52 @@ def make_solve_poses(sources: str) -> Callable[..., tuple[int, int, int]]:
     return solve_poses
 
 
+def make_answer(sources: str) -> Callable[..., tuple[int, int, int]]:
+    """Return `answer` as of the given state of the sources."""
+
+    @entry
+    def answer(
+        muscle: Muscle,
+        neutral: float,
+        units: Any,
+        mix: Any,
+        angles: Any,
+        speeds: Any,
+        mirror: float,
+        rotation: Any,
+        axes: Any,
+        theta: Any,
+        lengths: Any,
+        moments: Any,
+        states: Any,
+        arms: Any,
+        lengthening: Any,
+    ) -> tuple[int, int, int]:
+        """Fill in all that the node answers to one triple of angles; return as `solve_poses`.
+
+        The rotation is (1, 3, 3), lengths, moments and states have a leading 1; mirror is -1 for
+        the left shoulder, whose axes and moments are (x, -y, -z).
+        """
+        _ = sources  # closed over, see compiled.fingerprint
+        turn_in_sequence(units, mix, angles, rotation[0], axes)
+        done = solve_poses(muscle, neutral, rotation, 0, 1, theta, lengths, moments, states)
+        for j in range(3):
+            axes[1, j] *= mirror
+            axes[2, j] *= mirror
+        for i in range(len(lengthening)):
+            x = moments[0, 3 * i]
+            y = moments[0, 3 * i + 1] * mirror
+            z = moments[0, 3 * i + 2] * mirror
+            moments[0, 3 * i + 1], moments[0, 3 * i + 2] = y, z
+            lengthening[i] = 0.0
+            for j in range(3):
+                arms[i, j] = x * axes[0, j] + y * axes[1, j] + z * axes[2, j]
+                lengthening[i] -= arms[i, j] * speeds[j]
+        return done
+
+    return answer
+
+
 def make_draw(sources: str) -> Callable[..., None]:
     """Return `draw` as of the given state of the sources."""
 
@@ -137,4 +184,5 @@ def make_draw(sources: str) -> Callable[..., None]:
 
 _sources = fingerprint()
 solve_poses = make_solve_poses(_sources)
+answer = make_answer(_sources)
 draw = make_draw(_sources)

@@ -40,6 +40,7 @@ OUTPUTS = {
     'moment_vectors': Float64MultiArray,
     'markers': MarkerArray,
 }
+STILL = (0.0, 0.0, 0.0)  # rad/s
 THROTTLE = 5.0  # s between lines on rejected messages
 
 
@@ -170,7 +171,7 @@ class MuscleStatePublisher(Node):
             angles, speeds, warning = self._memory.take(
                 message.name, message.position, message.velocity
             )
-            state, axes = self._solve(angles)
+            state, arms, lengthening, axes = self._solve(angles, speeds or STILL)
         except Rejected as error:
             tally.rejected[error.reason] += 1
             tally.last_line = str(error)
@@ -181,11 +182,11 @@ class MuscleStatePublisher(Node):
         if warning:
             self.get_logger().warning(warning, throttle_duration_sec=THROTTLE)
         tally.solve_times.append(perf_counter() - start)
-        arms = state.moment_vectors @ axes
         stamp = message.header.stamp
-        lengthening = None if speeds is None else -arms @ speeds
         outputs = self._outputs
-        for name, answer in self._answers.at(stamp, state, arms, lengthening).items():
+        for name, answer in self._answers.at(
+            stamp, state, arms, None if speeds is None else lengthening
+        ).items():
             outputs[name].publish(answer)
         if outputs['markers'].get_subscription_count() and self._pace.due(
             stamp.sec + 1e-9 * stamp.nanosec, start
@@ -196,12 +197,10 @@ class MuscleStatePublisher(Node):
         tally.last_state, self._last_stamp = state, stamp
         tally.callback_times.append(perf_counter() - start)
 
-    def _solve(self, angles: Three) -> tuple[MuscleState, Floats]:
-        """Return the muscle's state and the coordinates' axes at three angles."""
-        solver = self._settings.solver
-        rotation, axes = self._settings.convention.rotation_and_axes(angles, solver.side)
+    def _solve(self, angles: Three, speeds: Three) -> tuple[MuscleState, Floats, Floats, Floats]:
+        """Return the muscle's state, moment arms, lengthening and the coordinates' axes."""
         try:
-            return solver.solve(rotation), axes
+            return self._settings.solver.answer(self._settings.convention, angles, speeds)
         except ValueError as error:
             raise Rejected('no_plane', str(error)) from None
 

@@ -137,6 +137,7 @@ SPECS = (
     ParameterSpec('markers.points', 16, 'Points drawn on the arc of a wrapped band.', 2, 1000),
 )
 
+STILL = (0.0, 0.0, 0.0)  # rad, rad/s
 NAMES = tuple(spec.name for spec in SPECS)
 
 
@@ -164,9 +165,10 @@ class Settings:
         if not checked['frame_id']:
             raise ValueError("parameter frame_id: '' given, the name of a frame expected")
         muscle = BroadMuscle.load(checked['muscle'])
-        convention.rotation((0.0, 0.0, 0.0))  # compiled before it is needed, as the solver is
+        solver = LinkedPlaneSolver(muscle, checked['side'])
+        solver.answer(convention, STILL, STILL)  # compiled before it is needed
         return Settings(
-            solver=LinkedPlaneSolver(muscle, checked['side']),
+            solver=solver,
             convention=convention,
             joints=JointMap(
                 tuple(checked['joint_names']) or convention.coordinates,

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from .band import CLEAR, INSIDE, MISSED, WRAPPED
 from .compiled import COMPILED
-from .conventions import SIDES
+from .conventions import SIDES, JointConvention
 from .kernels import (
     NO_PLANE,
     NOT_FINITE,
@@ -29,12 +29,14 @@ from .kernels import (
     ORTHONORMAL,
     REFLECTION,
     SOLVED,
+    answer,
     draw,
     solve_poses,
 )
 from .model import BroadMuscle
 
 Floats = npt.NDArray[np.float64]
+Three = tuple[float, float, float]
 
 MIRROR = np.array([-1.0, 1.0, 1.0])  # x -> -x: points and other true vectors
 TURN_MIRROR = -MIRROR  # rotations and moments keep x and change y and z
@@ -188,6 +190,42 @@ class LinkedPlaneSolver:
             raise ValueError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
         theta, lengths, moments, wrap = self._solved(matrix[np.newaxis], 'rotation')
         return MuscleState(float(theta[0]), lengths[0], moments[0], wrap[0], matrix, self)
+
+    def answer(
+        self, convention: JointConvention, angles: Three, speeds: Three
+    ) -> tuple[MuscleState, Floats, Floats, Floats]:
+        """Return the state at a convention's angles (3), rad; moment arms, lengthening and axes.
+
+        Moment arms (n, 3), m; lengthening (n,), m/s, at speeds (3), rad/s; axes (3, 3). To
+        rounding the same as `convention.rotation_and_axes`, `solve` and their products, in one
+        call. Raises ValueError where a band's plane is undefined.
+        """
+        n = len(self.muscle.band_names)
+        rotation, axes, theta = np.empty((1, 3, 3)), np.empty((3, 3)), np.empty(1)
+        lengths, moments, arms = np.empty((1, n)), np.empty((1, 3 * n)), np.empty((n, 3))
+        wrap, lengthening = np.empty((1, n), dtype=np.uint8), np.empty(n)
+        _, fault, band = answer(
+            self._flat,
+            self._neutral,
+            *convention.sequence_and_mix,
+            np.array(angles),
+            np.array(speeds),
+            -1.0 if self.side == 'left' else 1.0,
+            rotation,
+            axes,
+            theta,
+            lengths,
+            moments,
+            wrap,
+            arms,
+            lengthening,
+        )
+        if fault != SOLVED:
+            raise ValueError(FAULTS[fault].format(self.muscle.band_names[band]))
+        state = MuscleState(
+            theta.item(), lengths[0], moments.reshape(n, 3), wrap[0], rotation[0], self
+        )
+        return state, arms, lengthening, axes
 
     def solve_batch(self, rotations: npt.ArrayLike) -> MuscleStates:
         """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""

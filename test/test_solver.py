@@ -354,3 +354,21 @@ def test_moment_arms_are_the_lengths_slopes_over_the_coordinates(name: str) -> N
                 continue
             slope = (ends.lengths[0] - ends.lengths[1]) / (2.0 * h)
             np.testing.assert_allclose(arms[:, j], -slope, rtol=0.0, atol=1e-6)  # m: h^2, kinks
+
+
+@pytest.mark.parametrize('name', JOINT_CONVENTIONS)
+@pytest.mark.parametrize('side', ['right', 'left'])
+def test_an_answer_is_the_state_its_moment_arms_and_its_lengthening(name: str, side: str) -> None:
+    solver = LinkedPlaneSolver(BroadMuscle.load('deltoid'), side)
+    convention, speeds = JOINT_CONVENTIONS[name], (0.3, -1.2, 0.7)
+    for angles in ((0.4, 0.9, -0.3), (-0.2, 0.3, 0.6), (0.0, 0.0, 0.0)):
+        state, arms, lengthening, axes = solver.answer(convention, angles, speeds)
+        want = solver.solve(convention.rotation(angles))
+        assert state.theta == want.theta
+        np.testing.assert_array_equal(state.lengths, want.lengths)
+        np.testing.assert_array_equal(state.moment_vectors, want.moment_vectors)
+        np.testing.assert_array_equal(state.wrap, want.wrap)
+        np.testing.assert_array_equal(axes, convention.axes(angles, side))
+        # m, m/s: products in another order
+        np.testing.assert_allclose(arms, want.moment_vectors @ axes, rtol=0, atol=1e-16)
+        np.testing.assert_allclose(lengthening, -arms @ speeds, rtol=0, atol=1e-15)
