@@ -115,7 +115,9 @@ def play(args: argparse.Namespace) -> None:
     from .play import Pace
     from .play import play as play_recording
 
-    pace = Pace(args.rate, args.loop, args.start_offset, args.clock or 0.0, args.wait)
+    pace = Pace(
+        args.rate, args.loop, args.start_offset, args.clock or 0.0, args.wait, args.subscribers
+    )
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
         print(
@@ -301,6 +303,8 @@ def parser() -> argparse.ArgumentParser:
                      help='begin S seconds into the recording')  # fmt: skip
     one.add_argument('--wait', type=not_negative, default=10.0, metavar='S',
                      help='wait for a subscriber, S seconds at most (default 10)')  # fmt: skip
+    one.add_argument('--subscribers', type=counting, default=1, metavar='N',
+                     help='how many subscribers to wait for (default 1)')  # fmt: skip
 
     one = command('process', process)
     one.add_argument('inputs', nargs='+', metavar='INPUT',

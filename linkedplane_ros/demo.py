@@ -144,7 +144,9 @@ def main() -> int:
             flush=True,
         )
         player = subprocess.Popen(
-            [*run, 'linkedplane_ros.cli', 'play', str(recording.path)], stdout=subprocess.DEVNULL
+            # the node and this listener: to find each other takes up to some seconds
+            [*run, 'linkedplane_ros.cli', 'play', str(recording.path), '--subscribers', '2'],
+            stdout=subprocess.DEVNULL,
         )
         done = spin(listener, lambda: counted(listener, recording.count), node, PATIENCE)
         return summary(listener, recording.count) if done else summary(listener, -1)

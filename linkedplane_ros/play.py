@@ -32,7 +32,9 @@ class Pace:
     clock: float = 0.0
     """Messages a second on /clock, Hz; 0: none."""
     wait: float = 10.0
-    """s to wait for a subscriber at most."""
+    """s to wait for subscribers at most."""
+    subscribers: int = 1
+    """How many to wait for."""
 
 
 def play(recording: Recording, pace: Pace) -> int:
@@ -43,7 +45,7 @@ def play(recording: Recording, pace: Pace) -> int:
     }
     clock = node.create_publisher(Clock, '/clock', CLOCK_QOS) if pace.clock else None
     try:
-        if not await_subscriber(list(publishers.values()), pace.wait):
+        if not await_subscriber(list(publishers.values()), pace.wait, pace.subscribers):
             node.get_logger().warning(f'no subscriber after {pace.wait:g} s; playing all the same')
         count = 0
         while True:
@@ -57,10 +59,10 @@ def play(recording: Recording, pace: Pace) -> int:
         node.destroy_node()
 
 
-def await_subscriber(publishers: list[Publisher], seconds: float) -> bool:
-    """Wait until every publisher has a subscriber, at most so many seconds; return whether."""
+def await_subscriber(publishers: list[Publisher], seconds: float, count: int = 1) -> bool:
+    """Wait until every publisher has so many subscribers, at most so many s; return whether."""
     deadline = time.monotonic() + seconds
-    while not all(publisher.get_subscription_count() for publisher in publishers):
+    while any(publisher.get_subscription_count() < count for publisher in publishers):
         if time.monotonic() >= deadline:
             return False
         time.sleep(0.02)
