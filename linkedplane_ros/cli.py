@@ -25,7 +25,7 @@ from .model import BroadMuscle
 from .solver import LinkedPlaneSolver, WrapState
 
 if TYPE_CHECKING:
-    from .process import Report, Task
+    from .process import Report
 
 
 def info(args: argparse.Namespace) -> None:
@@ -172,7 +172,7 @@ def process(args: argparse.Namespace) -> None:
         except OSError as error:
             raise ValueError(f'{args.out}: no folder to write into: {error.strerror}') from None
     failed = 0
-    with bar(tasks) as advance:
+    with bar() as advance:
         for report in work.run_all(tasks, args.jobs, args.dask, advance):
             failed += bool(report.fault)
             tell(report)
@@ -214,7 +214,7 @@ def tell(report: Report) -> None:
 
 
 @contextmanager
-def bar(tasks: Sequence[Task]) -> Iterator[Callable[[int], None]]:
+def bar() -> Iterator[Callable[[int], None]]:
     """Show frames done while in the block, if a person looks on; give what counts them."""
     try:
         from rich.console import Console

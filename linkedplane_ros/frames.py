@@ -25,8 +25,6 @@ FRAME_AXES = {
     'model': np.eye(3),
     'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
-
-
 MIRROR = np.diag((-1.0, 1.0, 1.0))  # x -> -x
 
 
@@ -64,8 +62,8 @@ class PoseMemory:
         named = topic in (self.bones.humerus, self.bones.base)
         return (named and kind in POSE_TYPES) or kind == TF_TYPE
 
-    def take(self, topic: str, message: Any) -> Iterator[tuple[int, Three]]:
-        """Take a message in; yield the stamp, ns, and the angles where the humerus has moved.
+    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, None]]:
+        """Take a message in; yield stamp (ns), angles, no speeds where the humerus has moved.
 
         Poses on two topics count together where their stamps are the same. In /tf the newest of
         each frame counts, once for a message that moves the humerus against the other bone.
@@ -88,9 +86,9 @@ class PoseMemory:
             own = [moved[name] for name in self._chain(humerus)
                    if name in moved and name not in above]  # fmt: skip
             if own:
-                yield own[0], self._angles()
+                yield own[0], self._angles(), None
         elif self._stamps[humerus] == self._stamps[base]:
-            yield self._stamps[humerus], self._angles()
+            yield self._stamps[humerus], self._angles(), None
 
     def _chain(self, frame: str) -> Iterator[str]:
         """Yield a frame and those it hangs on, up to the root."""

@@ -64,17 +64,8 @@ class Chunk:
 class Motion(Protocol):
     """A recording of joint angles."""
 
-    @property
-    def path(self) -> Path:
-        """Where it comes from."""
-
-    @property
-    def refused(self) -> Refused:
-        """What could not be used so far."""
-
-    @property
-    def frames(self) -> int:
-        """About how many; 0 if not known."""
+    path: Path
+    refused: Refused
 
     keeps_records: bool
     """Whether a bag's own messages are wanted with the frames."""
@@ -113,22 +104,6 @@ class JointTaker:
         yield stamp.sec * 10**9 + stamp.nanosec, angles, speeds
 
 
-@dataclass
-class PoseTaker:
-    """Poses of two bones; their velocities are not known."""
-
-    memory: PoseMemory
-
-    def wants(self, topic: str, kind: str) -> bool:
-        """Return whether poses of the bones may be in it."""
-        return self.memory.wants(topic, kind)
-
-    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
-        """Yield a frame for each new pose of the humerus."""
-        for stamp, angles in self.memory.take(topic, message):
-            yield stamp, angles, None
-
-
 class BagMotion:
     """The frames of a bag, and all its messages."""
 
@@ -139,8 +114,6 @@ class BagMotion:
         self.taker = taker
         self.keeps_records = True
         with closing(opened(path)) as reader:
-            wanted = [each for each in reader.connections if taker.wants(each.topic, each.msgtype)]
-            self.frames: int = sum(each.msgcount for each in wanted)
             self.start: int = reader.start_time
 
     @staticmethod
@@ -175,7 +148,7 @@ class BagMotion:
                             f'{path}: {name} is neither a topic of {" or ".join(POSE_TYPES)} '
                             f'nor, for want of /tf, a frame; in it: {held or "nothing"}'
                         )
-        return BagMotion(path, PoseTaker(PoseMemory(bones, convention, side)))
+        return BagMotion(path, PoseMemory(bones, convention, side))
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
@@ -241,7 +214,6 @@ class TableMotion:
         stated = self.table.in_degrees if unit is None else unit
         in_degrees = stated if degrees is None else degrees
         self.scale = np.pi / 180.0 if in_degrees else 1.0
-        self.frames = 0
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the rows that can be used."""
@@ -297,20 +269,9 @@ class Smoothed:
     """Hz."""
     keeps_records: bool = False
 
-    @property
-    def path(self) -> Path:
-        """Where it comes from."""
-        return self.motion.path
-
-    @property
-    def refused(self) -> Refused:
-        """What could not be used."""
-        return self.motion.refused
-
-    @property
-    def frames(self) -> int:
-        """About how many."""
-        return self.motion.frames if self.rate is None else 0
+    def __post_init__(self) -> None:
+        """Stand for the motion."""
+        self.path, self.refused = self.motion.path, self.motion.refused
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames at their new times, with velocities by differences."""

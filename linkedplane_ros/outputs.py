@@ -208,17 +208,15 @@ class BagOutput:
         from rosbags.typesys import Stores, get_typestore
 
         store = get_typestore(Stores.ROS2_JAZZY)
-        answers = SerializedAnswers(
+        self._answers = SerializedAnswers(
             store, described.bands, described.coordinates, described.frame_id
         )
-        self._answers = answers
         plugin = StoragePlugin.MCAP
         originals: list[Any] = []
         if source is not None:
             with closing(opened(source)) as reader:
                 originals = list(reader.connections)
-                if any(each.suffix in ('.db3', '.zstd') and '.db3' in each.name
-                       for each in files_of(source)):  # fmt: skip
+                if any('.db3' in each.name for each in files_of(source)):
                     plugin = StoragePlugin.SQLITE3
         taken = {each.topic for each in originals}
         for full in (f'/{described.muscle}/{topic}' for topic in TYPES):

@@ -78,9 +78,8 @@ def tasks(inputs: Sequence[Path], target: Path, **options: Any) -> list[Task]:
     Several recordings, or a folder of them, go into the target as a folder.
     """
     sources = list(dict.fromkeys(source for each in inputs for source in recordings_in(each)))
-    if len(sources) == 1 and sources[0] in inputs and not target.is_dir():
-        return [Task(sources[0], target, **options)]
-    if len(sources) == 1 and sources[0] in inputs and is_bag(target):
+    alone = len(sources) == 1 and sources[0] in inputs
+    if alone and (not target.is_dir() or is_bag(target)):
         return [Task(sources[0], target, **options)]
     kind = options.pop('kind', None) or 'bag'
     made = [
@@ -246,12 +245,17 @@ def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Re
     except ValueError as error:
         return Report(task, fault=str(error))
     except Exception as error:  # whatever it is, the other recordings are still done
-        text = (str(error).splitlines() or [''])[0]
-        return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')
+        return failed(task, error)
     refused = motion.refused
     return Report(
         task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside
     )
+
+
+def failed(task: Task, error: Exception) -> Report:
+    """Return the report of a task that ended with what nobody foresaw."""
+    text = (str(error).splitlines() or [''])[0]
+    return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')
 
 
 def run_all(
@@ -279,8 +283,7 @@ def outcome(future: Any, task: Task) -> Report:
     try:
         report: Report = future.result()
     except Exception as error:
-        text = (str(error).splitlines() or [''])[0]
-        return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')
+        return failed(task, error)
     return report
 
 
