@@ -16,6 +16,8 @@ OPTIONS: dict[str, Any] = {'error_model': 'numpy', 'fastmath': {'contract'}}
 
 Kernel = TypeVar('Kernel', bound=Callable[..., Any])
 
+_sources: set[str] = set()  # the files that kernels stand in
+
 try:
     if os.environ.get('LINKEDPLANE_COMPILE') == '0':
         raise ImportError('compilation is switched off')
@@ -31,6 +33,7 @@ def compiled(kernel: Kernel) -> Kernel:
     """Return a kernel that other kernels call: compiled into them, plain Python for Python."""
     if not COMPILED:
         return kernel
+    _sources.add(kernel.__code__.co_filename)
     return register_jitable(**OPTIONS)(kernel)  # type: ignore[no-any-return]
 
 
@@ -42,6 +45,7 @@ def entry(kernel: Kernel) -> Kernel:
     """
     if not COMPILED:
         return kernel
+    _sources.add(kernel.__code__.co_filename)
     try:
         return numba.njit(nogil=True, cache=True, **OPTIONS)(kernel)  # type: ignore
     except RuntimeError:
@@ -49,12 +53,12 @@ def entry(kernel: Kernel) -> Kernel:
 
 
 def fingerprint() -> str:
-    """Return a name for the present state of the package's sources.
+    """Return a name for the present state of the files with kernels that were loaded so far.
 
     numba renews a cached kernel when its own file changes, but not when one that it calls does. A
     kernel that closes over this name is cached under it, too.
     """
     digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob('*.py')):
-        digest.update(source.read_bytes())
+    for source in sorted(_sources):
+        digest.update(Path(source).read_bytes())
     return digest.hexdigest()

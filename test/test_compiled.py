@@ -74,3 +74,38 @@ def test_with_nowhere_to_keep_it_a_kernel_is_compiled_every_time(
         folder.mkdir(exist_ok=True)
         folder.chmod(0o555)
     assert [report(installed, home) for _ in range(2)] == ['3.0 0', '3.0 0']
+
+
+CALLED = """
+from .compiled import compiled
+
+@compiled
+def factor():
+    return {}
+"""
+CALLING = """
+from .compiled import entry, fingerprint
+from .called import factor
+
+def make(sources):
+    @entry
+    def doubled(x):
+        _ = sources
+        return factor() * x
+    return doubled
+
+doubled = make(fingerprint())
+"""
+
+
+def test_a_kernel_is_renewed_when_one_that_it_calls_changes_and_only_then(
+    installed: Path, tmp_path: Path
+) -> None:
+    package = installed / 'small'
+    (package / 'called.py').write_text(CALLED.format('2.0'))
+    (package / 'kernel.py').write_text(CALLING)
+    assert [report(installed, tmp_path) for _ in range(2)] == ['3.0 0', '3.0 1']
+    (package / 'other.py').write_text('x = 1\n')
+    assert report(installed, tmp_path) == '3.0 1'
+    (package / 'called.py').write_text(CALLED.format('4.0'))
+    assert [report(installed, tmp_path) for _ in range(2)] == ['6.0 0', '6.0 1']
