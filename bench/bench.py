@@ -253,10 +253,10 @@ def table(figures: dict[str, Any]) -> str:
     ]
     rows += [
         (
-            f'linkedplane process, a bag into {case}',
+            f'linkedplane process, {case}',
             f'{each["processing"]:,.0f} frames/s',
-            f'reading and writing the result alone: {each["copying"]:,.0f}; '
-            f'{each["copying"] / each["processing"]:.1f} times as fast',
+            f'{each["result"] / each["processing"]:.2f} times as long as copying the result, '
+            f'{each["source"] / each["processing"]:.2f} as copying the recording',
         )
         for case, each in figures['recordings'].items()
     ]

@@ -1,4 +1,4 @@
-"""Processing recordings, beside reading them and writing the result again with the same library."""
+"""Processing recordings, beside copying what comes of them, and them, with the same library."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rosbags.highlevel import AnyReader
@@ -54,14 +53,34 @@ def copy_bag(source: Path, target: Path, plugin: StoragePlugin) -> None:
             writer.write(topics[connection.id], stamp, data)
 
 
-def copy_csv(source: Path, target: Path) -> None:
-    """Read every number of a CSV file and write it into another."""
-    lines = [line for line in source.read_text().splitlines() if not line.startswith('#')]
-    rows = [[float(cell) if cell else None for cell in line.split(',')] for line in lines[1:]]
-    with target.open('w') as file:
-        file.write(lines[0] + '\n')
-        for row in rows:
-            file.write(','.join(['' if cell is None else repr(cell) for cell in row]) + '\n')
+def write_mot(path: Path) -> None:
+    """Write the motion as OpenSim does, in degrees."""
+    stamps, angles = motion()
+    header = [path.name, 'version=1', f'nRows={FRAMES}', 'nColumns=4', 'inDegrees=yes', 'endheader']
+    rows = zip(1e-9 * (stamps - stamps[0]), np.degrees(angles), strict=True)
+    lines = ['\t'.join(f'{x:.8f}' for x in (time, *row)) for time, row in rows]
+    path.write_text('\n'.join([*header, '\t'.join(['time', *NAMES]), *lines]) + '\n')
+
+
+def write_csv(path: Path) -> None:
+    """Write the motion as a table of radians."""
+    stamps, angles = motion()
+    rows = zip(1e-9 * (stamps - stamps[0]), angles, strict=True)
+    lines = [','.join(f'{x:.9f}' for x in (time, *row)) for time, row in rows]
+    path.write_text('\n'.join([','.join(['time', *NAMES]), *lines]) + '\n')
+
+
+def copy_table(source: Path, target: Path) -> None:
+    """Read every number of a table and write it into another."""
+    with source.open() as read, target.open('w') as written:
+        for line in read:
+            cells = line.rstrip('\n').replace('\t', ',').split(',')
+            try:
+                row = [float(cell) if cell else None for cell in cells]
+            except ValueError:  # the head
+                written.write(line)
+                continue
+            written.write(','.join(['' if cell is None else repr(cell) for cell in row]) + '\n')
 
 
 def copy_parquet(source: Path, target: Path) -> None:
@@ -71,33 +90,61 @@ def copy_parquet(source: Path, target: Path) -> None:
     write_table(read_table(source), target)
 
 
+def copy(source: Path, target: Path) -> None:
+    """Read a recording or a result, and write it again with the same library."""
+    if source.is_dir():
+        sqlite = any(each.suffix == '.db3' for each in source.iterdir())
+        copy_bag(source, target, PLUGINS['sqlite3' if sqlite else 'mcap'])
+    elif source.suffix == '.parquet':
+        copy_parquet(source, target)
+    else:
+        copy_table(source, target)
+
+
+def timed(work: Callable[[Path, Path], None], source: Path, target: Path) -> float:
+    """Return how long it takes to make one path of another, s."""
+    start = time.perf_counter()
+    work(source, target)
+    return time.perf_counter() - start
+
+
 def measure() -> dict[str, dict[str, float]]:
-    """Return, for each format, frames a second of processing and of copying the result."""
+    """Return, for each pair of formats, frames a second: processed, the result copied, the source.
+
+    The three take turns.
+    """
     found: dict[str, dict[str, float]] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for storage, plugin in PLUGINS.items():
             write_bag(folder / storage, plugin)
-        cases: dict[str, tuple[str, Callable[[Path, Path], Any]]] = {
-            'mcap': ('', lambda a, b: copy_bag(a, b, StoragePlugin.MCAP)),
-            'sqlite3': ('', lambda a, b: copy_bag(a, b, StoragePlugin.SQLITE3)),
-            'csv': ('.csv', copy_csv),
-            'parquet': ('.parquet', copy_parquet),
-        }
-        for case, (ending, copy) in cases.items():
-            source = folder / (case if case in PLUGINS else 'mcap')
-            target, second = folder / f'out_{case}{ending}', folder / f'copy_{case}{ending}'
-            times: dict[str, list[float]] = {'processing': [], 'copying': []}
+        write_mot(folder / 'motion.mot')
+        write_csv(folder / 'motion.csv')
+        for source, ending in (
+            ('mcap', ''),
+            ('sqlite3', ''),
+            ('mcap', '.csv'),
+            ('mcap', '.parquet'),
+            ('motion.mot', ''),
+            ('motion.mot', '.csv'),
+            ('motion.csv', '.csv'),
+        ):
+            task = Task(folder / source, folder / f'out{ending}', force=True)
+            copied = folder / f'copy{ending}'
+            again = folder / f'again{Path(source).suffix}'
+            times: dict[str, list[float]] = {'processing': [], 'result': [], 'source': []}
             for _ in range(ROUNDS):
-                start = time.perf_counter()
-                report = run(Task(source, target, force=True))
-                times['processing'].append(time.perf_counter() - start)
+                for each in (copied, again):
+                    shutil.rmtree(each, ignore_errors=True)
+                report = run(task)
                 if report.fault:
                     raise RuntimeError(report.fault)
-                if second.is_dir():
-                    shutil.rmtree(second)
-                start = time.perf_counter()
-                copy(target, second)
-                times['copying'].append(time.perf_counter() - start)
-            found[case] = {key: FRAMES / min(each) for key, each in times.items()}
+                times['processing'].append(report.seconds)
+                times['result'].append(timed(copy, task.target, copied))
+                times['source'].append(timed(copy, task.source, again))
+            kind = Path(source).suffix or f'a bag ({source})'
+            found[f'{kind} into {ending or "a bag"}'] = {
+                key: FRAMES / min(each) for key, each in times.items()
+            }
+            shutil.rmtree(folder / 'out', ignore_errors=True)
     return found

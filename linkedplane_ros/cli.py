@@ -10,6 +10,7 @@ import json
 import math
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -134,6 +135,7 @@ def play(args: argparse.Namespace) -> None:
 def process(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
     from . import process as work
+    from . import workers
     from .frames import Bones
 
     if args.rhythm is not None and args.thorax is None:
@@ -162,6 +164,7 @@ def process(args: argparse.Namespace) -> None:
         'frame_id': args.frame_id,
         'rate': args.rate,
         'lowpass': args.lowpass,
+        'markers': args.markers,
         'force': args.force,
     }
     inputs = [found for each in args.inputs for found in work.matching(each)]
@@ -172,8 +175,8 @@ def process(args: argparse.Namespace) -> None:
         except OSError as error:
             raise ValueError(f'{args.out}: no folder to write into: {error.strerror}') from None
     failed = 0
-    with bar() as advance:
-        for report in work.run_all(tasks, args.jobs, args.dask, advance):
+    with bar() as shown, ended_like_interrupted():
+        for report in workers.run_all(tasks, args.jobs, args.dask, shown):
             failed += bool(report.fault)
             tell(report)
     if len(tasks) > 1:
@@ -214,24 +217,44 @@ def tell(report: Report) -> None:
 
 
 @contextmanager
-def bar() -> Iterator[Callable[[int], None]]:
-    """Show frames done while in the block, if a person looks on; give what counts them."""
+def ended_like_interrupted() -> Iterator[None]:
+    """While in the block, SIGTERM ends it as SIGINT does: nothing half-written stays."""
+
+    def end(*_: object) -> None:
+        raise SystemExit(143)
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def bar() -> Iterator[Callable[[int, float], None]]:
+    """Show what is done while in the block, if a person looks on; give what is told of it."""
     try:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+        from rich.progress import (
+            BarColumn,
+            Progress,
+            TaskProgressColumn,
+            TextColumn,
+            TimeRemainingColumn,
+        )
     except ImportError:
-        yield lambda frames: None
+        yield lambda frames, share: None
         return
     columns = (
-        TextColumn('processing'),
         BarColumn(),
-        TextColumn('{task.completed:,.0f} frames'),
-        TimeElapsedColumn(),
+        TaskProgressColumn(),
+        TextColumn('{task.fields[frames]:,} frames'),
+        TimeRemainingColumn(elapsed_when_finished=True),
     )
     with Progress(*columns, transient=True, disable=not sys.stderr.isatty(),
-                  console=Console(stderr=True)) as shown:  # fmt: skip
-        number = shown.add_task('', total=None)
-        yield lambda frames: shown.advance(number, frames)
+                  console=Console(stderr=True)) as progress:  # fmt: skip
+        number = progress.add_task('', total=1.0, frames=0)
+        yield lambda frames, share: progress.update(number, completed=share, frames=frames)
 
 
 def positive(text: str) -> float:
@@ -338,6 +361,8 @@ def parser() -> argparse.ArgumentParser:
     one.add_argument('--rate', type=positive, metavar='HZ', help='resample the angles')
     one.add_argument('--lowpass', type=positive, metavar='HZ',
                      help='filter the angles first, without lag (Butterworth)')  # fmt: skip
+    one.add_argument('--no-markers', dest='markers', action='store_false',
+                     help='leave the markers out of a bag')  # fmt: skip
     one.add_argument('--force', action='store_true', help='replace an output that exists')
     one.add_argument('--jobs', type=counting, default=1, metavar='N',
                      help='recordings at a time (default 1)')  # fmt: skip

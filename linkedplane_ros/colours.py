@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from .model import BroadMuscle
 
+Colour = tuple[float, float, float]  # red, green, blue, 0 to 1
+
 # Okabe and Ito's palette: told apart in print and by colour-blind readers
 HEAD_COLOURS = (
     (0.84, 0.37, 0.00),
@@ -15,8 +17,8 @@ HEAD_COLOURS = (
 )
 
 
-def head_colours(muscle: BroadMuscle) -> list[tuple[float, float, float]]:
-    """Return each band's colour, (n) red green blue in 0..1: one for each head."""
+def head_colours(muscle: BroadMuscle) -> list[Colour]:
+    """Return each band's colour, (n): one for each head."""
     colours = {
         head.name: HEAD_COLOURS[i % len(HEAD_COLOURS)] for i, head in enumerate(muscle.heads)
     }

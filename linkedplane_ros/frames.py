@@ -6,7 +6,7 @@ y anterior, z superior) or ISB's (x anterior, y superior, z to the body's right)
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -56,6 +56,32 @@ class PoseMemory:
     poses: dict[str, Floats] = field(default_factory=dict)
     parents: dict[str, str] = field(default_factory=dict)
     _stamps: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Where the angles come from."""
+        bones = self.bones
+        return {
+            'angles_from': f'{bones.humerus} against {bones.base}, {bones.axes} axes',
+            'velocities': 'none',
+            'scapulohumeral_rhythm': 'none: measured against the scapula'
+            if bones.scapula
+            else f'{bones.rhythm:g} to 1',
+        }
+
+    def lacking(self) -> str:
+        """Return which frames came, where none of their messages gave angles."""
+        for bone in (self.bones.humerus, self.bones.base):
+            if bone not in self.poses and bone not in self.parents.values():
+                met = sorted({*self.poses, *self.parents.values()} - {''})
+                return f'no pose of {bone}; frames met: {", ".join(met) or "none"}'
+        humerus, base = (self._root(each) for each in (self.bones.humerus, self.bones.base))
+        if humerus != base:
+            return (
+                f'{self.bones.humerus} is given in {humerus!r}, {self.bones.base} in {base!r}; '
+                'poses in one frame expected'
+            )
+        return f'poses of {self.bones.humerus} and {self.bones.base} at no common stamp'
 
     def wants(self, topic: str, kind: str) -> bool:
         """Return whether a topic may have poses of the two bones."""

@@ -29,7 +29,8 @@ from .conventions import NEAR_SINGULAR, sine_of_singularity
 from .conversions import Answers, Floats
 from .diagnostics import Tally, diagnostics
 from .joint_input import JointMemory, Rejected, Three
-from .markers import MuscleMarkers, Pace
+from .markers import MuscleMarkers
+from .shapes import Pace
 from .solver import MuscleState
 
 OUTPUTS = {

@@ -1,4 +1,4 @@
-"""Where processed recordings go: an annotated bag, CSV or Parquet.
+"""Where processed recordings go: CSV, Parquet, or an annotated bag (`bag_output`).
 
 Each output is written beside its place and takes it when all is done, so that nothing half-written
 ever stands under the final name.
@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import os
 import shutil
+import sqlite3
 from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from .model import BroadMuscle
 from .motion import Chunk
-from .recordings import JOINT_STATE, RecordingError, opened
-from .serialized import TYPES, JointStates, SerializedAnswers
+from .recordings import RecordingError
 from .solver import MuscleStates
 
 Floats = npt.NDArray[np.float64]
@@ -43,12 +44,20 @@ class Solved:
 class Described:
     """What an output says of itself."""
 
-    muscle: str
-    bands: tuple[str, ...]
+    muscle: BroadMuscle
     coordinates: tuple[str, str, str]
     frame_id: str
     facts: Mapping[str, str]
     """Written into the output: convention, side, source, what was done to the angles."""
+    angles_topic: str = ''
+    """Where a bag shall have the angles as joint states; empty: they are in it as recorded."""
+    markers: bool = True
+    """Whether a bag shall have the markers, too."""
+
+    @property
+    def bands(self) -> tuple[str, ...]:
+        """The names of the bands."""
+        return self.muscle.band_names
 
 
 class Output(Protocol):
@@ -70,24 +79,29 @@ def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
         raise RecordingError(f'{path}: a folder; only a bag is replaced, and by a bag alone')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
-    # under its own name: a bag writes that into its files
-    workshop = path.with_name(f'.{path.name}.{os.getpid()}.part')
+    beside = workshop(path, os.getpid())
     try:
-        remove(workshop)
-        workshop.mkdir()
-        yield workshop / path.name
+        remove(beside)
+        beside.mkdir()
+        yield beside / path.name  # its own name: a bag writes that into its files
         if path.is_dir():
-            path.rename(workshop / 'replaced')
+            path.rename(beside / 'replaced')
         try:
-            (workshop / path.name).replace(path)
+            (beside / path.name).replace(path)
         except OSError:
-            if (workshop / 'replaced').exists():
-                (workshop / 'replaced').rename(path)
+            if (beside / 'replaced').exists():
+                (beside / 'replaced').rename(path)
             raise
-    except OSError as error:
-        raise RecordingError(f'{path}: not written: {error.strerror or error}') from None
+    except (OSError, sqlite3.Error) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise RecordingError(f'{path}: not written: {reason}') from None
     finally:
-        remove(workshop)
+        remove(beside)
+
+
+def workshop(path: Path, process: int | None) -> Path:
+    """Return the folder in which a process writes what is to stand at a path."""
+    return path.with_name(f'.{path.name}.{process}.part')
 
 
 def remove(path: Path) -> None:
@@ -196,118 +210,10 @@ class ParquetOutput:
         self._file.close()
 
 
-class BagOutput:
-    """A bag's own messages, byte for byte, and the muscle's topics among them.
-
-    The motion of a table becomes joint states.
-    """
-
-    def __init__(self, path: Path, described: Described, source: Path | None) -> None:
-        """Open the bag; `source` is the bag whose messages are kept."""
-        from rosbags.rosbag2 import StoragePlugin, Writer
-        from rosbags.typesys import Stores, get_typestore
-
-        store = get_typestore(Stores.ROS2_JAZZY)
-        self._answers = SerializedAnswers(
-            store, described.bands, described.coordinates, described.frame_id
-        )
-        plugin = StoragePlugin.MCAP
-        originals: list[Any] = []
-        if source is not None:
-            with closing(opened(source)) as reader:
-                originals = list(reader.connections)
-                if any('.db3' in each.name for each in files_of(source)):
-                    plugin = StoragePlugin.SQLITE3
-        taken = {each.topic for each in originals}
-        for full in (f'/{described.muscle}/{topic}' for topic in TYPES):
-            if full in taken:
-                raise RecordingError(f'{source}: {full} is in it already; it has been processed')
-        self._writer = Writer(path, version=9, storage_plugin=plugin)
-        for name, fact in described.facts.items():
-            self._writer.set_custom_data(name, fact)
-        self._writer.open()
-        self._kept = {
-            each.id: self._writer.add_connection(
-                each.topic,
-                each.msgtype,
-                msgdef=each.msgdef.data,
-                rihs01=each.digest or digest(each),
-                serialization_format=each.ext.serialization_format,
-                offered_qos_profiles=each.ext.offered_qos_profiles,
-            )
-            for each in originals
-        }
-        self._topics = {}
-        for topic, kind in TYPES.items():
-            full = f'/{described.muscle}/{topic}'
-            self._topics[topic] = self._writer.add_connection(full, kind, typestore=store)
-        self._joints: Any = None
-        if source is None:
-            self._joints = self._writer.add_connection(
-                '/joint_states', JOINT_STATE, typestore=store
-            )
-            self._states = JointStates(store, described.coordinates, '')
-
-    def write(self, solved: Solved) -> None:
-        """Append a chunk: each message, and behind it its answers."""
-        chunk, states = solved.chunk, solved.states
-        made = self._answers.of(
-            chunk.stamps,
-            states.lengths,
-            solved.arms,
-            solved.lengthening,
-            states.wrap,
-            states.moment_vectors,
-        )
-        answers = list(zip(*made.values(), strict=True))
-        topics = list(self._topics.values())
-        write = self._writer.write
-        if self._joints is not None:
-            joints = self._states.filled(chunk.stamps, chunk.angles, chunk.speeds)
-            for time, message, messages in zip(chunk.stamps.tolist(), joints, answers, strict=True):
-                write(self._joints, time, message)
-                for connection, answer in zip(topics, messages, strict=True):
-                    write(connection, time, answer)
-            return
-        frame_of = {record: k for k, record in enumerate(chunk.answered)}
-        for number, (connection, time, data) in enumerate(chunk.records):
-            write(self._kept[connection.id], time, data)
-            if number in frame_of:
-                for topic, answer in zip(topics, answers[frame_of[number]], strict=True):
-                    write(topic, time, answer)
-
-    def close(self) -> None:
-        """Finish."""
-        self._writer.close()
-
-
-def digest(connection: Any) -> str:
-    """Return the hash of a message type, for a bag that does not tell it."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    store = get_typestore(Stores.ROS2_JAZZY)
-    if connection.msgtype not in store.fielddefs:
-        store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
-    made: str = store.hash_rihs01(connection.msgtype)
-    return made
-
-
-def files_of(bag: Path) -> list[Path]:
-    """Return the files of a bag."""
-    return list(bag.iterdir()) if bag.is_dir() else [bag]
-
-
 def format_of(path: Path, chosen: str | None) -> str:
     """Return the format of an output: the one chosen, else by its ending."""
-    if chosen is not None:
-        return chosen
-    return {'.csv': 'csv', '.parquet': 'parquet'}.get(path.suffix.lower(), 'bag')
-
-
-def output(path: Path, kind: str, described: Described, source: Path | None) -> Output:
-    """Open an output of a kind: bag, csv or parquet."""
-    if kind == 'csv':
-        return CsvOutput(path, described)
-    if kind == 'parquet':
-        return ParquetOutput(path, described)
-    return BagOutput(path, described, source)
+    ending = path.suffix.lower()
+    kind = chosen or {'.csv': 'csv', '.parquet': 'parquet'}.get(ending, 'bag')
+    if kind == 'bag' and ending in ('.mcap', '.db3'):
+        raise RecordingError(f'{path}: a bag is a folder; name it without {path.suffix}')
+    return kind

@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter
 from .conventions import JOINT_CONVENTIONS, SIDES, JointConvention
 from .joint_input import JointMap
 from .model import BroadMuscle
+from .shapes import MARKER_RATE, POINTS_ON_ARC
 from .solver import LinkedPlaneSolver
 
 Value = str | bool | int | float | list[str] | list[float]
@@ -129,12 +130,14 @@ SPECS = (
     ParameterSpec('markers.enabled', True, 'Publish markers.'),
     ParameterSpec(
         'markers.rate',
-        30.0,
+        MARKER_RATE,
         "Markers a second at most, Hz, by the input's stamps; 0: with every message.",
         0.0,
         10000.0,
     ),
-    ParameterSpec('markers.points', 16, 'Points drawn on the arc of a wrapped band.', 2, 1000),
+    ParameterSpec(
+        'markers.points', POINTS_ON_ARC, 'Points drawn on the arc of a wrapped band.', 2, 1000
+    ),
 )
 
 STILL = (0.0, 0.0, 0.0)  # rad, rad/s

@@ -1,14 +1,13 @@
 """Process recordings: joint angles in, the same with the muscle's state beside them out.
 
-A recording is worked on in chunks, one process or many: each recording is a task of its own, and
-tasks share nothing, so the results do not depend on how many work at a time.
+A recording is worked on in chunks; each recording is a task of its own, and tasks share nothing
+(`workers` does many).
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from glob import glob, has_magic
 from pathlib import Path
@@ -19,14 +18,27 @@ import numpy as np
 import numpy.typing as npt
 
 from . import __version__
+from .bag_motion import BagMotion
+from .bag_output import BagOutput
 from .conventions import JOINT_CONVENTIONS
 from .frames import Bones
 from .joint_input import JointMap
 from .model import BroadMuscle
-from .motion import BagMotion, Chunk, Motion, Refused, Smoothed, TableMotion
-from .outputs import ENDINGS, Described, Solved, format_of, in_place, output
+from .motion import Chunk, Motion, Refused
+from .outputs import (
+    ENDINGS,
+    CsvOutput,
+    Described,
+    Output,
+    ParquetOutput,
+    Solved,
+    format_of,
+    in_place,
+)
 from .recordings import RecordingError
+from .smoothed import Smoothed
 from .solver import LinkedPlaneSolver
+from .table_motion import TableMotion
 
 Floats = npt.NDArray[np.float64]
 
@@ -54,6 +66,8 @@ class Task:
     frame_id: str = 'scapula'
     rate: float | None = None
     lowpass: float | None = None
+    markers: bool = True
+    """Whether a bag gets the markers, too."""
     force: bool = False
 
 
@@ -151,11 +165,14 @@ def motion_of(task: Task) -> Motion:
     return Smoothed(motion, task.rate, task.lowpass)
 
 
-def described(task: Task, muscle: BroadMuscle) -> Described:
+def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
     """Return what a task's output says of itself."""
     convention = JOINT_CONVENTIONS[task.convention]
-    table = task.source.suffix.lower() in TABLES
-    smoothed = task.rate is not None or task.lowpass is not None
+    angles_topic = ''
+    if isinstance(motion, TableMotion):
+        angles_topic = '/joint_states'
+    elif isinstance(motion, Smoothed) or task.bones is not None:
+        angles_topic = f'/{muscle.name}/joint_states'
     facts = {
         'made_by': f'linkedplane_ros {__version__}',
         'source': task.source.name,
@@ -165,28 +182,29 @@ def described(task: Task, muscle: BroadMuscle) -> Described:
         'side': task.side,
         'joint_convention': convention.name,
         'rotation': convention.formula,
-        'topic': task.topic or '',
         'joints': json.dumps(task.joints or convention.coordinates),
         'joint_signs': ' '.join(f'{sign:g}' for sign in task.signs),
         'joint_offsets_rad': ' '.join(repr(offset) for offset in task.offsets),
+        **motion.facts,
         'resampled_to_hz': 'no' if task.rate is None else f'{task.rate:g}',
         'lowpass_hz': 'no'
         if task.lowpass is None
         else f'{task.lowpass:g} (Butterworth, both ways: no lag)',
-        'velocities': 'differentiated'
-        if table or smoothed
-        else 'recorded, where the recording has them',
-        'made_anew': 'yes' if smoothed else 'no',
+        'angles_topic': angles_topic,
         'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
     }
-    if task.bones is not None:
-        bones = task.bones
-        facts['angles_from'] = f'{bones.humerus} against {bones.base}, {bones.axes} axes'
-        facts['velocities'] = 'differentiated' if smoothed else 'none'
-        facts['scapulohumeral_rhythm'] = (
-            'none: measured against the scapula' if bones.scapula else f'{bones.rhythm:g} to 1'
-        )
-    return Described(muscle.name, muscle.band_names, convention.coordinates, task.frame_id, facts)
+    return Described(
+        muscle, convention.coordinates, task.frame_id, facts, angles_topic, task.markers
+    )
+
+
+def output(path: Path, kind: str, described: Described, motion: Motion) -> Output:
+    """Open an output of a kind, bag, csv or parquet, for the frames of a motion."""
+    if kind == 'csv':
+        return CsvOutput(path, described)
+    if kind == 'parquet':
+        return ParquetOutput(path, described)
+    return BagOutput(path, described, motion.path if motion.keeps_records else None)
 
 
 def solved(chunk: Chunk, solver: LinkedPlaneSolver, convention: str, refused: Refused) -> Solved:
@@ -213,8 +231,14 @@ def solvable(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
     return True
 
 
-def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Report:
-    """Process one recording; a fault is reported, not raised. `progress` is told of each chunk."""
+Progress = Callable[[int, float], None]
+
+
+def run(task: Task, progress: Progress = lambda frames, share: None) -> Report:
+    """Process one recording; a fault is reported, not raised.
+
+    `progress` is told, chunk by chunk, of the frames done and the share of the recording, 0 to 1.
+    """
     try:
         muscle = BroadMuscle.load(task.muscle)
         solver = LinkedPlaneSolver(muscle, task.side)
@@ -223,20 +247,19 @@ def run(task: Task, progress: Callable[[int], None] = lambda frames: None) -> Re
         target, source = task.target.resolve(), task.source.resolve()
         if target == source or target in source.parents:
             raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
-        motion = motion_of(task)
         kind = format_of(task.target, task.kind)
-        bag = task.source if not isinstance(motion, (TableMotion, Smoothed)) else None
+        motion = motion_of(task)
+        motion.keeps_records = motion.keeps_records and kind == 'bag'
         frames = outside = 0
-        motion.keeps_records = bag is not None and kind == 'bag'
         with in_place(task.target, task.force, kind == 'bag') as beside:
-            out = output(beside, kind, described(task, muscle), bag if kind == 'bag' else None)
+            out = output(beside, kind, described(task, muscle, motion), motion)
             try:
                 for chunk in motion.chunks():
                     each = solved(chunk, solver, task.convention, motion.refused)
                     out.write(each)
                     frames += len(each.chunk.stamps)
                     outside += muscle.outside(each.states.rotation)
-                    progress(len(each.chunk.stamps))
+                    progress(frames, chunk.share)
             finally:
                 out.close()
             if not frames:
@@ -256,50 +279,3 @@ def failed(task: Task, error: Exception) -> Report:
     """Return the report of a task that ended with what nobody foresaw."""
     text = (str(error).splitlines() or [''])[0]
     return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')
-
-
-def run_all(
-    all_tasks: Sequence[Task], jobs: int, dask: str | None, progress: Callable[[int], None]
-) -> Iterator[Report]:
-    """Process recordings, so many at a time, here or on a Dask cluster; yield each report."""
-    if dask is not None:
-        yield from run_on_cluster(all_tasks, dask)
-    elif jobs == 1 or len(all_tasks) == 1:
-        for task in all_tasks:
-            yield run(task, progress)
-    else:
-        with ProcessPoolExecutor(jobs) as pool:
-            futures = {pool.submit(run, task): task for task in all_tasks}
-            try:
-                for future in as_completed(futures):
-                    yield outcome(future, futures[future])
-            except BaseException:  # interrupted: begin nothing more
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-
-
-def outcome(future: Any, task: Task) -> Report:
-    """Return the report of a task that was worked on elsewhere; a worker may have died."""
-    try:
-        report: Report = future.result()
-    except Exception as error:
-        return failed(task, error)
-    return report
-
-
-def run_on_cluster(all_tasks: Sequence[Task], address: str) -> Iterator[Report]:
-    """Process recordings on a Dask cluster that sees the same files."""
-    try:
-        from dask.distributed import Client, as_completed
-    except ImportError:
-        raise RecordingError(
-            "a cluster needs Dask: pip install 'linkedplane_ros[cluster]'"
-        ) from None
-    try:
-        client = Client(address, timeout='10s')
-    except (OSError, ValueError) as error:
-        raise RecordingError(f'--dask {address}: not reached: {error}') from None
-    with client:
-        futures = {client.submit(run, task, pure=False): task for task in all_tasks}
-        for future in as_completed(list(futures)):
-            yield outcome(future, futures[future])

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import yaml
 
 from .plot import Processed
-from .process import TABLES, Task, run
+from .process import Task, run
 from .recordings import RecordingError
 
 Floats = npt.NDArray[np.float64]
@@ -27,7 +27,7 @@ def read(path: Path) -> Processed:
     if path.is_dir():
         return from_bag(path)
     try:
-        facts, columns = from_parquet(path) if path.suffix == '.parquet' else from_csv(path)
+        facts, columns = from_parquet(path) if path.suffix.lower() == '.parquet' else from_csv(path)
         return assembled(path, facts, columns)
     except (KeyError, ValueError, UnicodeDecodeError) as error:
         raise RecordingError(
@@ -79,22 +79,16 @@ def from_bag(path: Path) -> Processed:
             'side': facts['side'],
             'muscle': facts['model'],
         }
-        if not (facts['source'].lower().endswith(TABLES) or facts['made_anew'] == 'yes'):
+        options['topic'] = facts['angles_topic'] or facts['topic']
+        if not facts['angles_topic']:
             a, b, c = (float(each) for each in facts['joint_signs'].split())
             x, y, z = (float(each) for each in facts['joint_offsets_rad'].split())
             options |= {
                 'joints': tuple(json.loads(facts['joints'])),
                 'signs': (a, b, c),
                 'offsets': (x, y, z),
-                'topic': facts['topic'] or None,
             }
-        if 'angles_from' in facts:
-            raise RecordingError(
-                f'{path}: its angles come from frames; process it into CSV, and plot that'
-            )
-    except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError) as error:
-        if isinstance(error, RecordingError):
-            raise
+    except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
         raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
     with tempfile.TemporaryDirectory() as folder:
         table = Path(folder) / 'table.csv'

@@ -6,6 +6,7 @@ numbers of the others are put in its place.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -27,16 +28,22 @@ TYPES = {
 }
 
 
+STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # an example that is found again
+
+
 class Template:
     """One serialised message with places for numbers."""
 
     def __init__(self, message: bytes, **examples: npt.NDArray[Any]) -> None:
-        """Find each place by the example that stands in it."""
+        """Find each place by the example that stands there; a stamp's are as many as there are."""
         self._bytes = np.frombuffer(message, np.uint8)
         self._places = {}
         for name, example in examples.items():
-            start = message.index(example.tobytes())
-            self._places[name] = slice(start, start + example.nbytes)
+            sought = example.tobytes()
+            starts = [message.rindex(sought)]  # numbers stand behind names
+            if name == 'stamp':
+                starts = [found.start() for found in re.finditer(re.escape(sought), message)]
+            self._places[name] = [slice(start, start + len(sought)) for start in starts]
 
     def filled(self, count: int, **values: npt.NDArray[Any]) -> list[bytes]:
         """Return so many messages, with rows of values (count, ...) in their places."""
@@ -44,9 +51,18 @@ class Template:
             return []
         rows = np.tile(self._bytes, (count, 1))
         for name, each in values.items():
-            row = np.ascontiguousarray(each).reshape(count, -1)
-            rows[:, self._places[name]] = row.view(np.uint8).reshape(count, -1)
+            row = np.ascontiguousarray(each).reshape(count, -1).view(np.uint8)
+            for place in self._places[name]:
+                rows[:, place] = row.reshape(count, -1)
         return [row.tobytes() for row in rows]
+
+
+def split_stamps(stamps: npt.NDArray[np.int64]) -> npt.NDArray[np.uint32]:
+    """Return stamps (m,), ns, as messages hold them (m, 2): whole seconds and the rest."""
+    seconds, rest = np.divmod(stamps, 10**9)
+    if len(seconds) and not -(2**31) <= seconds.min() <= seconds.max() < 2**31:
+        raise RecordingError('a stamp holds whole seconds below 2^31: times in s expected')
+    return np.column_stack((seconds.astype('<i4').view('<u4'), rest.astype('<u4')))
 
 
 class JointStates:
@@ -64,8 +80,7 @@ class JointStates:
     def _template(
         self, store: Any, names: Sequence[str], frame_id: str, position: Floats, velocity: Floats
     ) -> Template:
-        stamp = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # found again
-        time = store.types['builtin_interfaces/msg/Time'](int(stamp[0]), int(stamp[1]))
+        time = store.types['builtin_interfaces/msg/Time'](*STAMP.tolist())
         message = store.types[JOINT_STATE](
             header=store.types['std_msgs/msg/Header'](stamp=time, frame_id=frame_id),
             name=list(names),
@@ -73,7 +88,7 @@ class JointStates:
             velocity=velocity,
             effort=np.empty(0),
         )
-        places = {'stamp': stamp, 'position': position}
+        places = {'stamp': STAMP, 'position': position}
         if len(velocity):
             places['velocity'] = velocity
         return Template(bytes(store.serialize_cdr(message, JOINT_STATE)), **places)
@@ -85,10 +100,7 @@ class JointStates:
 
         Where a velocity is NaN, not known, that message has none.
         """
-        seconds, rest = np.divmod(stamps, 10**9)
-        if len(seconds) and not -(2**31) <= seconds.min() <= seconds.max() < 2**31:
-            raise RecordingError('a stamp holds whole seconds below 2^31: times in s expected')
-        split = np.column_stack((seconds.astype('<i4').view('<u4'), rest.astype('<u4')))
+        split = split_stamps(stamps)
         made = self._still.filled(len(stamps), stamp=split, position=positions)
         known = np.flatnonzero(np.isfinite(velocities).all(axis=1))
         moving = self._moving.filled(

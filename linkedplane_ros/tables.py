@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from codecs import BOM_UTF8
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -48,7 +48,7 @@ class Table:
         that start with # or none before it, and a comma, semicolon or tab between cells.
         """
         path = Path(path)
-        with lines_of(path) as lines:
+        with lines_of(path) as (lines, _):
             in_degrees, (line, names), _ = started(path, lines)
             found = (name for time in TIMES for name in names if name.lower() == time)
             time = next(found, None)
@@ -60,31 +60,40 @@ class Table:
             k = place(line, names, time)
         return cls(path, (*names[:k], *names[k + 1 :]), time, in_degrees)
 
-    def chunks(self, names: Sequence[str], rows: int = 10_000) -> Iterator[tuple[Floats, Floats]]:
-        """Yield times (k,) s and the named columns (k, len(names)), k = rows until the last.
+    def chunks(
+        self, names: Sequence[str], rows: int = 10_000
+    ) -> Iterator[tuple[Floats, Floats, float]]:
+        """Yield times (k,) s, the named columns (k, len(names)), and the share of the file read.
+
+        k = rows until the last.
 
         The numbers are the file's, in its order and units; NaN for nan, and for an empty cell of a
         CSV. Cells of other columns are not looked at. RecordingError names the line of a fault.
         """
         if rows < 1:
             raise ValueError(f'chunks of {rows} rows; at least 1 expected')
-        with lines_of(self.path) as lines:
+        with lines_of(self.path) as (lines, share):
             _, (line, header), left = started(self.path, lines)
             places = [place(line, header, name) for name in (self.time_column, *names)]
             numbers = parsed(header, places, islice(left, rows))
             if not len(numbers):
                 raise RecordingError(f'{line}: no rows of numbers after the names')
             while len(numbers):
-                yield numbers[:, 0], numbers[:, 1:]
+                yield numbers[:, 0], numbers[:, 1:], share()
                 numbers = parsed(header, places, islice(left, rows))
 
 
 @contextmanager
-def lines_of(path: Path) -> Iterator[Iterator[str]]:
-    """Open a file and give its lines; a RecordingError meanwhile gets the path in front."""
+def lines_of(path: Path) -> Iterator[tuple[Iterator[str], Callable[[], float]]]:
+    """Open a file and give its lines, and the share of it that has been read, 0 to 1.
+
+    A RecordingError meanwhile gets the path in front.
+    """
     try:
+        size = max(path.stat().st_size, 1)
         with path.open('rb') as file:
-            yield decoded(iter(partial(file.readline, LONGEST), b''))
+            lines = decoded(iter(partial(file.readline, LONGEST), b''))
+            yield lines, lambda: min(file.tell() / size, 1.0)
     except OSError as error:
         raise RecordingError(f'{path}: cannot be read: {error.strerror}') from None
     except RecordingError as error:

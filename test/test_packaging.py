@@ -19,6 +19,8 @@ TOP = Path(__file__).resolve().parents[1]
 SOURCES = TOP / 'linkedplane_ros'
 PURE = (
     '__init__',
+    'bag_motion',
+    'bag_output',
     'band',
     'colours',
     'compiled',
@@ -37,9 +39,14 @@ PURE = (
     'process',
     'processed',
     'serialized',
+    'serialized_markers',
+    'shapes',
+    'smoothed',
     'solver',
+    'table_motion',
     'tables',
     'vectors',
+    'workers',
 )
 SCRIPTS = ('muscle_state_publisher', 'linkedplane', 'linkedplane_demo')
 ENVIRONMENT = SOURCES / 'ros_environment.py'

@@ -13,11 +13,13 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+from bags import NAMES, exit_status, odd_motion, write
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
+from linkedplane_ros.cli import main
 from linkedplane_ros.colours import HEAD_COLOURS
 from linkedplane_ros.plot import (
     CROWDED,
@@ -421,3 +423,30 @@ def test_matplotlib_is_loaded_with_a_figure_and_its_windows_and_ros_never(tmp_pa
         check=True,
     )
     assert ran.stdout.splitlines() == ['', 'matplotlib']
+
+
+@pytest.mark.parametrize('name', ['out', 'out.csv', 'OUT.PARQUET'])
+def test_every_kind_of_output_is_plotted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    source = write(tmp_path / 'in', odd_motion())
+    assert exit_status([str(source), str(tmp_path / name), '--side', 'left']) == 0
+    capsys.readouterr()
+    assert main(['plot', str(tmp_path / name), '--svg']) == 0
+    files = capsys.readouterr().out.split()
+    stem = Path(name).stem
+    against = [f'{stem}_against_{coordinate}.svg' for coordinate in NAMES]
+    assert [Path(each).name for each in files] == [f'{stem}_over_time.svg', *against]
+    assert 'left' in Path(files[0]).read_text()
+
+
+def test_what_is_no_output_is_not_plotted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'other.csv').write_text('time,a\n0,1\n')
+    bag = write(tmp_path / 'in', odd_motion())
+    for path in (tmp_path / 'other.csv', bag, tmp_path / 'nowhere.csv'):
+        assert main(['plot', str(path)]) == 1
+        error = capsys.readouterr().err
+        assert str(path) in error
+        assert error.count('\n') == 1

@@ -43,7 +43,9 @@ def written(folder: Path, name: str, content: str | bytes) -> Path:
 
 def whole(table: Table, names: tuple[str, ...], rows: int = 10_000) -> tuple[Floats, Floats]:
     """Return all that a table holds of some columns, read in chunks."""
-    times, values = zip(*table.chunks(names, rows), strict=True)
+    times, values, shares = zip(*table.chunks(names, rows), strict=True)
+    assert list(shares) == sorted(shares)
+    assert shares[-1] == 1.0
     return np.concatenate(times), np.concatenate(values)
 
 
@@ -180,11 +182,11 @@ def test_where_chunks_end_does_not_matter(tmp_path: Path, name: str, rows: int) 
     if name.endswith('.mot'):
         content = 'endheader\n' + content.replace(',', '\t')
     chunks = list(Table.open(written(tmp_path, name, content)).chunks(('b', 'a'), rows))
-    assert [len(times) for times, _ in chunks[:-1]] == [rows] * (len(chunks) - 1)
+    assert [len(times) for times, _, _ in chunks[:-1]] == [rows] * (len(chunks) - 1)
     assert 0 < len(chunks[-1][0]) <= rows
-    np.testing.assert_array_equal(np.concatenate([times for times, _ in chunks]), numbers[:, 0])
+    np.testing.assert_array_equal(np.concatenate([times for times, _, _ in chunks]), numbers[:, 0])
     np.testing.assert_array_equal(
-        np.concatenate([values for _, values in chunks]), numbers[:, [2, 1]]
+        np.concatenate([values for _, values, _ in chunks]), numbers[:, [2, 1]]
     )
 
 

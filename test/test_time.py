@@ -18,8 +18,8 @@ from ros_harness import ANSWERS, NodeProcess, Peer, together
 from rosgraph_msgs.msg import Clock
 from visualization_msgs.msg import Marker, MarkerArray
 
-from linkedplane_ros.markers import Pace
 from linkedplane_ros.node import MuscleStatePublisher
+from linkedplane_ros.shapes import Pace
 
 NAMES = ('flexion', 'abduction', 'rotation')
 BAG = Path(__file__).parent.parent / 'msg_examples' / 'arm_raise'

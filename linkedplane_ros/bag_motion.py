@@ -1,0 +1,191 @@
+"""The motion in a ROS 2 bag: its joint states, or the poses of bones, message by message."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from .conventions import JointConvention
+from .frames import POSE_TYPES, TF_TYPE, Bones, PoseMemory
+from .joint_input import JointMap, JointMemory, Rejected, Three
+from .motion import ROWS, Chunk, Refused
+from .recordings import JOINT_STATE, RecordingError, deserialized, opened
+
+USUAL = '/joint_states'
+BYTES = 2**24  # of a bag's messages, held at a time
+
+
+class Taker(Protocol):
+    """Makes frames of a bag's messages."""
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """What is taken."""
+
+    def wants(self, topic: str, kind: str) -> bool:
+        """Return whether a topic's messages are to be taken."""
+
+    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
+        """Yield stamp (ns), angles (rad) and speeds (rad/s); Rejected if it is no good."""
+
+    def lacking(self) -> str:
+        """Return what has not come, where no message gave a frame and none was rejected."""
+
+
+@dataclass
+class JointTaker:
+    """Joint states, taken as the node takes them."""
+
+    topic: str
+    memory: JointMemory
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Where the angles come from."""
+        return {'topic': self.topic, 'velocities': 'recorded, where the recording has them'}
+
+    def wants(self, topic: str, kind: str) -> bool:
+        """Return whether these are the joint states chosen."""
+        return kind == JOINT_STATE and topic == self.topic
+
+    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
+        """Yield the one frame of a message."""
+        angles, speeds, _ = self.memory.take(
+            message.name, message.position.tolist(), message.velocity.tolist()
+        )
+        stamp = message.header.stamp
+        yield stamp.sec * 10**9 + stamp.nanosec, angles, speeds
+
+    def lacking(self) -> str:
+        """Return that no joint states came."""
+        return f'no message on {self.topic}'
+
+
+class BagMotion:
+    """The frames of a bag, and all its messages."""
+
+    def __init__(self, path: Path, taker: Taker) -> None:
+        """Look into the bag; RecordingError if it is no good."""
+        self.path: Path = path
+        self.refused: Refused = Refused()
+        self.taker = taker
+        self.facts: Mapping[str, str] = taker.facts
+        self.keeps_records = True
+        with closing(opened(path)) as reader:
+            self.start: int = reader.start_time
+            self.count: int = reader.message_count
+
+    @staticmethod
+    def of_joints(path: Path, joints: JointMap, topic: str | None) -> BagMotion:
+        """Return a bag's joint states: on the topic chosen, the usual one, or the only one."""
+        with closing(opened(path)) as reader:
+            found = {each.topic for each in reader.connections if each.msgtype == JOINT_STATE}
+            if topic is None and USUAL in found:
+                topic = USUAL
+            if topic is None and len(found) > 1:
+                raise RecordingError(
+                    f'{path}: joint states on {", ".join(sorted(found))}; choose one with --topic'
+                )
+            if not found or (topic is not None and topic not in found):
+                kinds = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in reader.connections}))
+                wanted = f'no {JOINT_STATE}' + (f' on {topic}' if topic else '')
+                raise RecordingError(f'{path}: {wanted} in it, but {kinds or "nothing"}')
+        return BagMotion(path, JointTaker(topic or found.pop(), JointMemory(joints)))
+
+    @staticmethod
+    def of_poses(
+        path: Path, bones: Bones, convention: JointConvention, side: str = 'right'
+    ) -> BagMotion:
+        """Return the motion of the humerus against another bone."""
+        with closing(opened(path)) as reader:
+            topics = {each.topic: each.msgtype for each in reader.connections}
+            if TF_TYPE not in topics.values():
+                for name in (bones.humerus, bones.base):
+                    if topics.get(name) not in POSE_TYPES:
+                        held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
+                        raise RecordingError(
+                            f'{path}: {name} is neither a topic of {" or ".join(POSE_TYPES)} '
+                            f'nor, for want of /tf, a frame; in it: {held or "nothing"}'
+                        )
+        return BagMotion(path, PoseMemory(bones, convention, side))
+
+    def records(self) -> Iterator[tuple[float, list[Any]]]:
+        """Yield all messages, (connection, time, bytes), some at a time, and the share so far."""
+        with closing(opened(self.path)) as reader:
+            yield from self._records(reader)
+
+    def _records(self, reader: Any) -> Iterator[tuple[float, list[Any]]]:
+        messages = reader.messages()
+        read = 0
+        while True:
+            records: list[Any] = []
+            held = 0  # bytes
+            try:
+                while len(records) < ROWS and held < BYTES:
+                    connection, time, data = next(messages)
+                    records.append((connection, time, bytes(data)))
+                    held += len(data)
+            except StopIteration:
+                yield 1.0, records
+                return
+            except Exception as error:  # a broken file breaks in many ways
+                raise RecordingError(f'{self.path}: damaged: {error}') from None
+            read += len(records)
+            yield read / max(self.count, read), records
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the frames, and all messages of the bag between them."""
+        number = found = 0
+        with closing(opened(self.path)) as reader:
+            for share, records in self._records(reader):
+                frames: list[tuple[int, Three, Three | None]] = []
+                follows: list[int] = []
+                for k, (connection, time, data) in enumerate(records):
+                    if not self.taker.wants(connection.topic, connection.msgtype):
+                        continue
+                    number += 1
+                    for frame in self._frames(reader, connection, time, data, number):
+                        frames.append(frame)
+                        follows.append(k)
+                found += len(frames)
+                yield self._chunk(frames, follows, records, share)
+        if not found and not self.refused.counts:
+            self.refused.add('lacking', self.taker.lacking())
+
+    def _frames(
+        self, reader: Any, connection: Any, time: int, data: bytes, number: int
+    ) -> Iterator[tuple[int, Three, Three | None]]:
+        """Yield the frames of a message; count it as refused if it is no good."""
+        try:
+            message = deserialized(reader, data, connection.msgtype)
+        except Exception as error:
+            raise RecordingError(f'{self.path}: message {number} is damaged: {error}') from None
+        try:
+            yield from self.taker.take(message, connection.topic)
+        except Rejected as error:
+            where = f'message {number}, {1e-9 * (time - self.start):.2f} s: {error}'
+            self.refused.add(error.reason, where)
+
+    def _chunk(
+        self,
+        frames: list[tuple[int, Three, Three | None]],
+        follows: list[int],
+        records: list[Any],
+        share: float,
+    ) -> Chunk:
+        unknown = (np.nan, np.nan, np.nan)
+        k = len(frames)
+        return Chunk(
+            stamps=np.array([stamp for stamp, _, _ in frames], dtype=np.int64),
+            angles=np.array([angles for _, angles, _ in frames]).reshape(k, 3),
+            speeds=np.array([speeds or unknown for _, _, speeds in frames]).reshape(k, 3),
+            times=np.array([records[each][1] for each in follows], dtype=np.int64),
+            share=share,
+            records=records if self.keeps_records else (),
+            follows=follows,
+        )

@@ -1,0 +1,152 @@
+"""What is drawn of a muscle, and where at each state: the markers, before they are messages.
+
+Namespaces: `bands` (a line strip each, id = band), `attachments` (origins 0, insertions 1),
+`obstacle_spheres` (id = band), `bones` (humeral head 0, shaft 1, the bony rim of the origins 2).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from .colours import Colour, head_colours
+from .model import BroadMuscle
+from .solver import MuscleState, WrapState
+
+Floats = npt.NDArray[np.float64]
+
+# visualization_msgs/Marker's numbers
+SPHERE, CYLINDER, LINE_STRIP, SPHERE_LIST = 2, 3, 4, 7
+ADD, DELETE = 0, 2
+
+MARKER_RATE = 30.0  # Hz, unless somebody wants another
+POINTS_ON_ARC = 16
+
+BONE = (0.89, 0.85, 0.76)
+BAND_WIDTH = 0.004  # m
+ATTACHMENT = 0.006  # m, diameter
+HEAD_RADIUS = 0.024  # m: the humeral head, for the eye alone
+SHAFT_RADIUS = 0.012  # m
+SHEER = 0.12  # of the obstacle spheres
+SHAFT_START, SHAFT_END = 0.01, 0.22  # m below the glenohumeral centre
+RIM_WIDTH = 0.008  # m
+UP = np.array((0.0, 0.0, 1.0))
+
+
+class Pace:
+    """Lets markers through so many times a second, by the stamps of the input.
+
+    So a replay at any speed shows the same ones. A jump in time, forwards or back, passes at once;
+    where stamps stand still, the time of arrival counts instead.
+    """
+
+    def __init__(self, rate: float) -> None:
+        """Let through `rate` Hz; 0: all."""
+        self._period = 1.0 / rate - 1e-6 if rate else 0.0
+        self._stamp = self._arrival = -np.inf
+
+    def due(self, stamp: float, arrival: float) -> bool:
+        """Return whether what came at these times, s, is let through."""
+        moved = stamp != self._stamp
+        passed = abs(stamp - self._stamp) if moved else arrival - self._arrival
+        if passed < self._period:
+            return False
+        self._stamp, self._arrival = stamp, arrival
+        return True
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What stays of a marker."""
+
+    namespace: str
+    number: int
+    kind: int
+    scale: tuple[float, float, float]
+    """m."""
+    colour: Colour
+    alpha: float = 1.0
+    colours: tuple[Colour, ...] = ()
+    """Of each of its points, where they differ."""
+
+
+class Place(NamedTuple):
+    """What a state makes of a marker; None: as at the beginning, upright at the frame's origin."""
+
+    position: Floats | None = None
+    """(3,) m."""
+    orientation: Floats | None = None
+    """(4,) quaternion x, y, z, w."""
+    points: Floats | None = None
+    """(k, 3) m."""
+    action: int = ADD
+
+    @property
+    def numbers(self) -> tuple[Floats | None, Floats | None, Floats | None]:
+        """Where it is."""
+        return self.position, self.orientation, self.points
+
+
+class MuscleShapes:
+    """The markers of one muscle, before they are messages."""
+
+    def __init__(self, muscle: BroadMuscle, points: int) -> None:
+        """Draw so many `points` on the arc of a wrapped band."""
+        self._points = points
+        colours = head_colours(muscle)
+        # as the humerus is: the shaft beside the centre of its head, where the muscle reaches it
+        aside = muscle.insertions.mean(axis=0) * (1.0, 1.0, 0.0)
+        aside *= 1.0 - SHAFT_RADIUS / max(float(np.linalg.norm(aside)), SHAFT_RADIUS)
+        self._shaft_centre = aside - (0.0, 0.0, 0.5 * (SHAFT_START + SHAFT_END))
+        width, length = 2.0 * SHAFT_RADIUS, SHAFT_END - SHAFT_START
+        ball = (ATTACHMENT,) * 3
+        self.shapes = (
+            Shape('bones', 0, SPHERE, (2.0 * HEAD_RADIUS,) * 3, BONE),
+            Shape('bones', 1, CYLINDER, (width, width, length), BONE),
+            Shape('bones', 2, LINE_STRIP, (RIM_WIDTH, 0.0, 0.0), BONE),
+            *(
+                Shape('attachments', k, SPHERE_LIST, ball, BONE, colours=tuple(colours))
+                for k in range(2)
+            ),
+            *(
+                Shape('obstacle_spheres', i, SPHERE, (2.0 * radius,) * 3, colours[i], SHEER)
+                for i, radius in enumerate(muscle.sphere_radii.tolist())
+            ),
+            *(
+                Shape('bands', i, LINE_STRIP, (BAND_WIDTH, 0.0, 0.0), colour)
+                for i, colour in enumerate(colours)
+            ),
+        )
+
+    def at(self, state: MuscleState) -> list[Place]:
+        """Return the place of each shape at a state.
+
+        A band with an end inside its sphere has no path: its marker is deleted.
+        """
+        origins = state.solver.origins
+        turn = upright_turned(state.moved(UP))
+        return [
+            Place(),
+            Place(state.moved(self._shaft_centre), turn),
+            Place(points=origins),
+            Place(points=origins),
+            Place(points=state.insertions),
+            *(Place(centre) for centre in state.sphere_centres),
+            *(
+                Place(points=path, action=DELETE if wrap == WrapState.INSIDE else ADD)
+                for path, wrap in zip(state.paths(self._points), state.wrap.tolist(), strict=True)
+            ),
+        ]
+
+
+def upright_turned(axis: Floats) -> Floats:
+    """Return the shortest turn that takes +z to a unit axis (3,), a quaternion x, y, z, w."""
+    x, y, z = axis.tolist()
+    if z < -1.0 + 1e-9:
+        return np.array((1.0, 0.0, 0.0, 0.0))
+    size = math.sqrt(2.0 * (1.0 + z))
+    return np.array((-y / size, x / size, 0.0, 0.5 * size))
