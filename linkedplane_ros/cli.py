@@ -188,10 +188,11 @@ def process(args: argparse.Namespace) -> None:
 def plot(args: argparse.Namespace) -> None:
     """Draw a processed recording: lengths, moment arms and wrap states."""
     from .plot import save
+    from .process import plain_name
     from .processed import read
 
-    source = Path(args.output)
-    out = Path(args.out) if args.out else source.with_suffix('')
+    source = Path(args.output) if Path(args.output).name else Path(args.output).resolve()
+    out = Path(args.out) if args.out else source.with_name(plain_name(source))
     processed = read(source)
     for kind in args.kinds or ['png']:
         for path in save(processed, out, kind):

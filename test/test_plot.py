@@ -441,12 +441,13 @@ def test_every_kind_of_output_is_plotted(
 
 
 def test_what_is_no_output_is_not_plotted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / 'other.csv').write_text('time,a\n0,1\n')
     bag = write(tmp_path / 'in', odd_motion())
-    for path in (tmp_path / 'other.csv', bag, tmp_path / 'nowhere.csv'):
+    monkeypatch.chdir(tmp_path)
+    for path in (tmp_path / 'other.csv', bag, tmp_path / 'nowhere.csv', '.'):
         assert main(['plot', str(path)]) == 1
         error = capsys.readouterr().err
-        assert str(path) in error
+        assert str(tmp_path if path == '.' else path) in error
         assert error.count('\n') == 1
