@@ -32,7 +32,7 @@ test = [
 setup(
     name=package_name,
     version='0.1.0',
-    packages=find_packages(include=[package_name]),
+    packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={package_name: ['models/*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),

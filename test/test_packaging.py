@@ -7,10 +7,12 @@ import os
 import re
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from setuptools import find_packages
 
 import linkedplane_ros
 from linkedplane_ros import ros_environment
@@ -22,7 +24,13 @@ PURE = (
     'bag_motion',
     'bag_output',
     'band',
+    'cli',
     'colours',
+    'commands.info',
+    'commands.plot',
+    'commands.process',
+    'commands.solve',
+    'commands.values',
     'compiled',
     'conventions',
     'frames',
@@ -120,6 +128,16 @@ def test_package_xml_and_setup_py_say_the_same() -> None:
     assert {ast.literal_eval(arguments['description'])} == declared('description')
 
 
+def test_setup_py_installs_every_folder_of_modules() -> None:
+    given = {
+        'find_packages': partial(find_packages, str(TOP)),
+        'package_name': 'linkedplane_ros',
+    }
+    packages = eval(ast.unparse(setup_arguments()['packages']), given)
+    modules = (path.relative_to(TOP) for path in SOURCES.rglob('*.py'))
+    assert set(packages) == {'.'.join(module.parent.parts) for module in modules}
+
+
 def test_setup_py_names_the_executables() -> None:
     assert set(console_scripts()) == set(SCRIPTS)
 
@@ -152,7 +170,8 @@ def test_scripts_go_where_ros2_run_looks() -> None:
 
 @pytest.mark.parametrize('module', PURE)
 def test_a_pure_module_names_no_ros_package(module: str) -> None:
-    assert ros_imports(SOURCES / f'{module}.py') == set()
+    source = SOURCES.joinpath(*module.split('.')).with_suffix('.py')
+    assert ros_imports(source) == set()
 
 
 def test_pure_modules_load_no_ros_package() -> None:
@@ -165,7 +184,7 @@ def test_pure_modules_load_no_ros_package() -> None:
 
 
 def test_package_xml_declares_just_the_ros_packages_that_are_imported() -> None:
-    sources = [*SOURCES.glob('*.py'), *TOP.glob('launch/*.py')]
+    sources = [*SOURCES.rglob('*.py'), *TOP.glob('launch/*.py')]
     imported = set().union(*map(ros_imports, sources))
     started = {'tf2_ros'}  # by a launch file
     assert {name for name in declared('exec_depend') if is_of_ros(name)} == imported | started

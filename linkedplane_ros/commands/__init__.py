@@ -1,0 +1,1 @@
+"""The commands of `linkedplane`, a module each: what it takes (`arguments`) and does (`run`)."""

@@ -1,0 +1,30 @@
+"""`linkedplane plot`: figures of a processed recording."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the command takes."""
+    parser.add_argument('output', metavar='OUTPUT', help='what `linkedplane process` has written')
+    parser.add_argument('--png', dest='kinds', action='append_const', const='png',
+                     help='draw PNG files (the default)')  # fmt: skip
+    parser.add_argument('--svg', dest='kinds', action='append_const', const='svg',
+                     help='draw SVG files')  # fmt: skip
+    parser.add_argument('--out', metavar='NAME', help="the beginning of the files' names")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Draw a processed recording: lengths, moment arms and wrap states."""
+    from ..plot import save
+    from ..process import plain_name
+    from ..processed import read
+
+    source = Path(args.output) if Path(args.output).name else Path(args.output).resolve()
+    out = Path(args.out) if args.out else source.with_name(plain_name(source))
+    processed = read(source)
+    for kind in args.kinds or ['png']:
+        for path in save(processed, out, kind):
+            print(path)

@@ -1,0 +1,170 @@
+"""`linkedplane process`: recordings in, recordings with the muscle's state out."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..conventions import JOINT_CONVENTIONS, SIDES
+from .values import counting, positive, sign
+
+if TYPE_CHECKING:
+    from ..process import Report
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the command takes."""
+    parser.add_argument('inputs', nargs='+', metavar='INPUT',
+                     help='bags, .mot, .sto or .csv files, or folders of them')  # fmt: skip
+    parser.add_argument('out', metavar='OUT',
+                     help='a bag, .csv or .parquet; a folder for several inputs')  # fmt: skip
+    parser.add_argument('--format', choices=('bag', 'csv', 'parquet'),
+                     help='of the output (default: by its ending; bag)')  # fmt: skip
+    parser.add_argument('--convention', choices=tuple(JOINT_CONVENTIONS),
+                     default='flexion_abduction_rotation', help='what the angles mean')  # fmt: skip
+    parser.add_argument('--joints', nargs=3, metavar='NAME',
+                     help="the three joints or columns (default: the convention's)")  # fmt: skip
+    parser.add_argument('--signs', nargs=3, type=sign, default=(1.0, 1.0, 1.0), metavar='SIGN',
+                     help='angle = sign * recorded + offset')  # fmt: skip
+    parser.add_argument('--offsets', nargs=3, type=float, default=(0.0, 0.0, 0.0), metavar='RAD')
+    parser.add_argument('--degrees', action='store_true', help="the table's angles are in degrees")
+    parser.add_argument('--topic', help="the bag's topic of joint states, where it has several")
+    parser.add_argument('--humerus', metavar='NAME',
+                     help='take poses for angles: a topic, or a frame in /tf')  # fmt: skip
+    base = parser.add_mutually_exclusive_group()
+    base.add_argument('--scapula', metavar='NAME', help='what the humerus is measured against')
+    base.add_argument('--thorax', metavar='NAME',
+                      help='the same, less the share of the scapula (--rhythm)')  # fmt: skip
+    parser.add_argument('--rhythm', type=positive, metavar='RATIO',
+                     help='glenohumeral to scapulothoracic elevation (default 2)')  # fmt: skip
+    parser.add_argument('--frame-axes', choices=('model', 'isb'), default='model',
+                     help='of their frames; isb: x anterior, y superior, z lateral')  # fmt: skip
+    parser.add_argument('--side', choices=SIDES, default='right')
+    parser.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
+    parser.add_argument('--frame-id', default='scapula', help='the frame of the outputs')
+    parser.add_argument('--rate', type=positive, metavar='HZ', help='resample the angles')
+    parser.add_argument('--lowpass', type=positive, metavar='HZ',
+                     help='filter the angles first, without lag (Butterworth)')  # fmt: skip
+    parser.add_argument('--no-markers', dest='markers', action='store_false',
+                     help='leave the markers out of a bag')  # fmt: skip
+    parser.add_argument('--force', action='store_true', help='replace an output that exists')
+    parser.add_argument('--jobs', type=counting, default=1, metavar='N',
+                     help='recordings at a time (default 1)')  # fmt: skip
+    parser.add_argument('--dask', metavar='ADDRESS', help='work on a Dask cluster')
+
+
+def run(args: argparse.Namespace) -> None:
+    """Write recordings again, with the muscle's state beside the motion."""
+    from .. import process as work
+    from ..frames import Bones
+    from ..workers import run_all
+
+    if args.rhythm is not None and args.thorax is None:
+        raise ValueError('--rhythm: for angles against the thorax alone (--thorax)')
+    if (args.humerus is None) != (args.scapula is None and args.thorax is None):
+        raise ValueError('--humerus NAME goes with --scapula NAME or --thorax NAME')
+    if '' in (args.humerus, args.scapula, args.thorax):
+        raise ValueError('--humerus, --scapula, --thorax: a name expected')
+    bones = args.humerus and Bones(
+        args.humerus, args.scapula, args.thorax, args.frame_axes, args.rhythm or 2.0
+    )
+    if args.thorax is not None:
+        print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
+              f'{bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
+    options = {
+        'bones': bones,
+        'kind': args.format,
+        'muscle': args.muscle,
+        'side': args.side,
+        'convention': args.convention,
+        'joints': tuple(args.joints or ()),
+        'signs': tuple(args.signs),
+        'offsets': tuple(args.offsets),
+        'degrees': True if args.degrees else None,
+        'topic': args.topic,
+        'frame_id': args.frame_id,
+        'rate': args.rate,
+        'lowpass': args.lowpass,
+        'markers': args.markers,
+        'force': args.force,
+    }
+    inputs = [found for each in args.inputs for found in work.matching(each)]
+    tasks = work.tasks(inputs, Path(args.out), **options)
+    if len(tasks) > 1 or tasks[0].target.parent == Path(args.out):
+        try:
+            Path(args.out).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ValueError(f'{args.out}: no folder to write into: {error.strerror}') from None
+    failed = 0
+    with bar() as shown, ended_like_interrupted():
+        for report in run_all(tasks, args.jobs, args.dask, shown):
+            failed += bool(report.fault)
+            tell(report)
+    if len(tasks) > 1:
+        print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {args.out}')
+    if failed:
+        raise SystemExit(1)
+
+
+def tell(report: Report) -> None:
+    """Print what has become of a recording: a line, and one for each kind of refused frame."""
+    task = report.task
+    if report.fault:
+        print(f'linkedplane: {report.fault}', file=sys.stderr)
+        return
+    refused = sum(report.refused.values())
+    rate = report.frames / max(report.seconds, 1e-9)
+    line = f'{task.source} -> {task.target}: {report.frames:,} frames, {rate:,.0f} a second'
+    if refused:
+        line += f', {refused:,} refused'
+    if report.outside:
+        line += f", {report.outside:,} outside the model's range of motion"
+    print(line)
+    for reason, count in report.refused.items():
+        print(f'  {count:,} refused as {reason}, first at {report.first[reason]}')
+
+
+@contextmanager
+def ended_like_interrupted() -> Iterator[None]:
+    """While in the block, SIGTERM ends it as SIGINT does: nothing half-written stays."""
+
+    def end(*_: object) -> None:
+        raise SystemExit(143)
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def bar() -> Iterator[Callable[[int, float], None]]:
+    """Show what is done while in the block, if a person looks on; give what is told of it."""
+    try:
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            Progress,
+            TaskProgressColumn,
+            TextColumn,
+            TimeRemainingColumn,
+        )
+    except ImportError:
+        yield lambda frames, share: None
+        return
+    columns = (
+        BarColumn(),
+        TaskProgressColumn(),
+        TextColumn('{task.fields[frames]:,} frames'),
+        TimeRemainingColumn(elapsed_when_finished=True),
+    )
+    with Progress(*columns, transient=True, disable=not sys.stderr.isatty(),
+                  console=Console(stderr=True)) as progress:  # fmt: skip
+        number = progress.add_task('', total=1.0, frames=0)
+        yield lambda frames, share: progress.update(number, completed=share, frames=frames)
