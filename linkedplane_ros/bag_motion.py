@@ -6,18 +6,28 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from .conventions import JointConvention
 from .frames import POSE_TYPES, TF_TYPE, Bones, PoseMemory
-from .joint_input import JointMap, JointMemory, Rejected, Three
-from .motion import ROWS, Chunk, Refused
+from .joint_input import JointMap, JointMemory, Rejected
+from .motion import ROWS, Chunk, Frame, Refused
 from .recordings import JOINT_STATE, RecordingError, deserialized, opened
 
 USUAL = '/joint_states'
 BYTES = 2**24  # of a bag's messages, held at a time
+
+
+class Batch(NamedTuple):
+    """Some messages of a bag, one after the other."""
+
+    records: list[Any]
+    """connection, time (ns), bytes"""
+    share: float
+    """Of the recording, read so far, 0 to 1."""
+    last: bool = False
 
 
 class Taker(Protocol):
@@ -30,11 +40,17 @@ class Taker(Protocol):
     def wants(self, topic: str, kind: str) -> bool:
         """Return whether a topic's messages are to be taken."""
 
-    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
-        """Yield stamp (ns), angles (rad) and speeds (rad/s); Rejected if it is no good."""
+    def take(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
+        """Yield the frames that a message, recorded at a time (ns), completes.
 
-    def lacking(self) -> str:
-        """Return what has not come, where no message gave a frame and none was rejected."""
+        Rejected if it is no good.
+        """
+
+    def rest(self) -> Iterator[Frame]:
+        """Yield the frames that only the end of the recording completes."""
+
+    def unused(self) -> Iterator[tuple[str, int, str]]:
+        """Yield why, how many and where, of what gave no frame and was not rejected."""
 
 
 @dataclass
@@ -47,23 +63,28 @@ class JointTaker:
     @property
     def facts(self) -> Mapping[str, str]:
         """Where the angles come from."""
-        return {'topic': self.topic, 'velocities': 'recorded, where the recording has them'}
+        velocities = 'recorded, where the recording has them'
+        return {'topic': self.topic, **self.memory.joints.facts, 'velocities': velocities}
 
     def wants(self, topic: str, kind: str) -> bool:
         """Return whether these are the joint states chosen."""
         return kind == JOINT_STATE and topic == self.topic
 
-    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, Three | None]]:
+    def take(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
         """Yield the one frame of a message."""
         angles, speeds, _ = self.memory.take(
             message.name, message.position.tolist(), message.velocity.tolist()
         )
         stamp = message.header.stamp
-        yield stamp.sec * 10**9 + stamp.nanosec, angles, speeds
+        yield Frame(stamp.sec * 10**9 + stamp.nanosec, time, angles, speeds)
 
-    def lacking(self) -> str:
-        """Return that no joint states came."""
-        return f'no message on {self.topic}'
+    def rest(self) -> Iterator[Frame]:
+        """Yield nothing: no message waits for another."""
+        yield from ()
+
+    def unused(self) -> Iterator[tuple[str, int, str]]:
+        """Yield nothing: each message has its frame, or was rejected."""
+        yield from ()
 
 
 class BagMotion:
@@ -114,12 +135,12 @@ class BagMotion:
                         )
         return BagMotion(path, PoseMemory(bones, convention, side))
 
-    def records(self) -> Iterator[tuple[float, list[Any]]]:
-        """Yield all messages, (connection, time, bytes), some at a time, and the share so far."""
+    def records(self) -> Iterator[Batch]:
+        """Yield all messages, some at a time."""
         with closing(opened(self.path)) as reader:
             yield from self._records(reader)
 
-    def _records(self, reader: Any) -> Iterator[tuple[float, list[Any]]]:
+    def _records(self, reader: Any) -> Iterator[Batch]:
         messages = reader.messages()
         read = 0
         while True:
@@ -131,61 +152,64 @@ class BagMotion:
                     records.append((connection, time, bytes(data)))
                     held += len(data)
             except StopIteration:
-                yield 1.0, records
+                yield Batch(records, 1.0, last=True)
                 return
             except Exception as error:  # a broken file breaks in many ways
                 raise RecordingError(f'{self.path}: damaged: {error}') from None
             read += len(records)
-            yield read / max(self.count, read), records
+            yield Batch(records, read / max(self.count, read))
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
-        number = found = 0
+        number = 0
         with closing(opened(self.path)) as reader:
-            for share, records in self._records(reader):
-                frames: list[tuple[int, Three, Three | None]] = []
+            for batch in self._records(reader):
+                frames: list[Frame] = []
                 follows: list[int] = []
-                for k, (connection, time, data) in enumerate(records):
+                for k, (connection, time, data) in enumerate(batch.records):
                     if not self.taker.wants(connection.topic, connection.msgtype):
                         continue
                     number += 1
                     for frame in self._frames(reader, connection, time, data, number):
                         frames.append(frame)
                         follows.append(k)
-                found += len(frames)
-                yield self._chunk(frames, follows, records, share)
-        if not found and not self.refused.counts:
-            self.refused.add('lacking', self.taker.lacking())
+                if batch.last:
+                    rest = list(self._answered(self.taker.rest(), self._where(number, 0)))
+                    frames += rest
+                    follows += [len(batch.records) - 1] * len(rest)
+                yield self._chunk(frames, follows, batch)
+        for reason, count, where in self.taker.unused():
+            self.refused.add(reason, where, count)
+
+    def _where(self, number: int, time: int) -> str:
+        return f'message {number}' + (f', {1e-9 * (time - self.start):.2f} s' if time else '')
 
     def _frames(
         self, reader: Any, connection: Any, time: int, data: bytes, number: int
-    ) -> Iterator[tuple[int, Three, Three | None]]:
+    ) -> Iterator[Frame]:
         """Yield the frames of a message; count it as refused if it is no good."""
         try:
             message = deserialized(reader, data, connection.msgtype)
         except Exception as error:
             raise RecordingError(f'{self.path}: message {number} is damaged: {error}') from None
-        try:
-            yield from self.taker.take(message, connection.topic)
-        except Rejected as error:
-            where = f'message {number}, {1e-9 * (time - self.start):.2f} s: {error}'
-            self.refused.add(error.reason, where)
+        taken = self.taker.take(message, connection.topic, time)
+        yield from self._answered(taken, self._where(number, time))
 
-    def _chunk(
-        self,
-        frames: list[tuple[int, Three, Three | None]],
-        follows: list[int],
-        records: list[Any],
-        share: float,
-    ) -> Chunk:
+    def _answered(self, frames: Iterator[Frame], where: str) -> Iterator[Frame]:
+        try:
+            yield from frames
+        except Rejected as error:
+            self.refused.add(error.reason, f'{where}: {error}')
+
+    def _chunk(self, frames: list[Frame], follows: list[int], batch: Batch) -> Chunk:
         unknown = (np.nan, np.nan, np.nan)
         k = len(frames)
         return Chunk(
-            stamps=np.array([stamp for stamp, _, _ in frames], dtype=np.int64),
-            angles=np.array([angles for _, angles, _ in frames]).reshape(k, 3),
-            speeds=np.array([speeds or unknown for _, _, speeds in frames]).reshape(k, 3),
-            times=np.array([records[each][1] for each in follows], dtype=np.int64),
-            share=share,
-            records=records if self.keeps_records else (),
+            stamps=np.array([each.stamp for each in frames], dtype=np.int64),
+            angles=np.array([each.angles for each in frames]).reshape(k, 3),
+            speeds=np.array([each.speeds or unknown for each in frames]).reshape(k, 3),
+            times=np.array([each.time for each in frames], dtype=np.int64),
+            share=batch.share,
+            records=batch.records if self.keeps_records else (),
             follows=follows,
         )

@@ -41,17 +41,19 @@ class BagOutput:
         for name, fact in described.facts.items():
             self._writer.set_custom_data(name, fact)
         self._writer.open()
-        self._kept = {
-            each.id: self._writer.add_connection(
-                each.topic,
-                each.msgtype,
-                msgdef=each.msgdef.data,
-                rihs01=each.digest or digest(each),
-                serialization_format=each.ext.serialization_format,
-                offered_qos_profiles=each.ext.offered_qos_profiles,
-            )
-            for each in originals
-        }
+        self._kept: dict[int, Any] = {}
+        same: dict[tuple[str, str], Any] = {}  # merged files may have several of one topic
+        for each in originals:
+            if (each.topic, each.msgtype) not in same:
+                same[each.topic, each.msgtype] = self._writer.add_connection(
+                    each.topic,
+                    each.msgtype,
+                    msgdef=each.msgdef.data,
+                    rihs01=each.digest or digest(each),
+                    serialization_format=each.ext.serialization_format,
+                    offered_qos_profiles=each.ext.offered_qos_profiles,
+                )
+            self._kept[each.id] = same[each.topic, each.msgtype]
         self._added = {
             topic: self._writer.add_connection(topic, kind, typestore=store)
             for topic, kind in added.items()
@@ -72,6 +74,8 @@ class BagOutput:
         for k, record in enumerate(chunk.follows):
             behind[record].append(k)
         times = chunk.times.tolist()
+        if times and min(times) < 0:
+            raise RecordingError(f'time {1e-9 * min(times):g} s: a bag has none before 0 s')
         write = self._writer.write
         for number, record in enumerate((None, *chunk.records), -1):
             if record is not None:
@@ -119,10 +123,12 @@ class BagOutput:
 
 
 def digest(connection: Any) -> str:
-    """Return the hash of a message type, for a bag that does not tell it."""
+    """Return the hash of a message type, for a bag that does not tell it; empty if not known."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
+    if connection.msgtype not in store.fielddefs and not connection.msgdef.data:
+        return ''
     if connection.msgtype not in store.fielddefs:
         store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
     made: str = store.hash_rihs01(connection.msgtype)

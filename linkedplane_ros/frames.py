@@ -15,8 +15,10 @@ import numpy.typing as npt
 
 from .conventions import JOINT_CONVENTIONS, JointConvention
 from .joint_input import Rejected, Three
+from .motion import Frame
 
 Floats = npt.NDArray[np.float64]
+Quaternion = tuple[float, float, float, float]  # x, y, z, w
 
 POSE_TYPES = ('geometry_msgs/msg/PoseStamped', 'geometry_msgs/msg/TransformStamped')
 TF_TYPE = 'tf2_msgs/msg/TFMessage'
@@ -26,6 +28,7 @@ FRAME_AXES = {
     'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
 MIRROR = np.diag((-1.0, 1.0, 1.0))  # x -> -x
+WAITING = 1000  # stamps on a topic: so far behind may the other be
 
 
 @dataclass(frozen=True)
@@ -48,14 +51,25 @@ class Bones:
 
 @dataclass
 class PoseMemory:
-    """The newest pose of each frame, and the rotation of the humerus that follows from two."""
+    """The poses of frames as they come, and the rotations of the humerus that follow from two.
+
+    On topics, two poses of one stamp count together, in whatever order they come. In /tf the newest
+    of each frame counts, once all messages of a stamp have come.
+    """
 
     bones: Bones
     convention: JointConvention
     side: str = 'right'
-    poses: dict[str, Floats] = field(default_factory=dict)
-    parents: dict[str, str] = field(default_factory=dict)
-    _stamps: dict[str, int] = field(default_factory=dict)
+    _poses: dict[str, Quaternion] = field(default_factory=dict)
+    _parents: dict[str, str] = field(default_factory=dict)
+    _waiting: dict[int, dict[str, Quaternion]] = field(default_factory=dict)
+    """Poses on topics, by stamp, that still lack the other."""
+    _alone: int = 0
+    """How many have lacked it for good."""
+    _due: tuple[int, int] | None = None
+    """Stamp and time of the newest move of the humerus in /tf, not yet told."""
+    _told: int = 0
+    _topics: set[str] = field(default_factory=set)
 
     @property
     def facts(self) -> Mapping[str, str]:
@@ -69,80 +83,123 @@ class PoseMemory:
             else f'{bones.rhythm:g} to 1',
         }
 
-    def lacking(self) -> str:
-        """Return which frames came, where none of their messages gave angles."""
-        for bone in (self.bones.humerus, self.bones.base):
-            if bone not in self.poses and bone not in self.parents.values():
-                met = sorted({*self.poses, *self.parents.values()} - {''})
-                return f'no pose of {bone}; frames met: {", ".join(met) or "none"}'
-        humerus, base = (self._root(each) for each in (self.bones.humerus, self.bones.base))
-        if humerus != base:
-            return (
-                f'{self.bones.humerus} is given in {humerus!r}, {self.bones.base} in {base!r}; '
-                'poses in one frame expected'
-            )
-        return f'poses of {self.bones.humerus} and {self.bones.base} at no common stamp'
-
     def wants(self, topic: str, kind: str) -> bool:
         """Return whether a topic may have poses of the two bones."""
         named = topic in (self.bones.humerus, self.bones.base)
         return (named and kind in POSE_TYPES) or kind == TF_TYPE
 
-    def take(self, message: Any, topic: str) -> Iterator[tuple[int, Three, None]]:
-        """Take a message in; yield stamp (ns), angles, no speeds where the humerus has moved.
+    def take(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
+        """Yield the frames that a message completes; speeds are not known.
 
-        Poses on two topics count together where their stamps are the same. In /tf the newest of
-        each frame counts, once for a message that moves the humerus against the other bone.
         Raises Rejected where the pose is no good, or has no angles in the convention.
         """
-        tree = hasattr(message, 'transforms')
-        moved = {}
-        for each in message.transforms if tree else (message,):
-            name = each.child_frame_id.lstrip('/') if tree else topic
-            self.parents[name] = each.header.frame_id.lstrip('/')
-            pose = each.pose.orientation if hasattr(each, 'pose') else each.transform.rotation
-            self.poses[name] = rotation(pose.x, pose.y, pose.z, pose.w)
-            moved[name] = each.header.stamp.sec * 10**9 + each.header.stamp.nanosec
-        self._stamps.update(moved)
-        if not self._known():
+        if not hasattr(message, 'transforms'):
+            pose = message.pose if hasattr(message, 'pose') else message.transform
+            turn = pose.orientation if hasattr(pose, 'orientation') else pose.rotation
+            yield from self._on_topic(message.header, turn, topic, time)
             return
+        rejected = None
+        for each in message.transforms:
+            stamp = nanoseconds(each.header.stamp)
+            if self._due is not None and stamp > self._due[0]:
+                try:
+                    yield from self._tell()
+                except Rejected as error:
+                    rejected = error
+            self._put(each, stamp, time)
+        if rejected is not None:
+            raise rejected
+
+    def rest(self) -> Iterator[Frame]:
+        """Yield the frame of the last stamp in /tf."""
+        yield from self._tell()
+
+    def unused(self) -> Iterator[tuple[str, int, str]]:
+        """Yield why, how many and where, of poses that gave no frame."""
+        left = self._alone + sum(map(len, self._waiting.values()))
+        if left:
+            names = ' or '.join(self._names)
+            yield 'alone', left, f'poses of {names} without the other at their stamp'
+        elif not self._told and not self._known():
+            yield 'lacking', 0, self._lacking()
+
+    @property
+    def _names(self) -> tuple[str, str]:
+        """Of the two bones: topics, or frames without the slash that some write before them."""
         humerus, base = self.bones.humerus, self.bones.base
-        if tree:
-            above = set(self._chain(base))
-            own = [moved[name] for name in self._chain(humerus)
-                   if name in moved and name not in above]  # fmt: skip
-            if own:
-                yield own[0], self._angles(), None
-        elif self._stamps[humerus] == self._stamps[base]:
-            yield self._stamps[humerus], self._angles(), None
+        if humerus in self._topics:
+            return humerus, base
+        return humerus.lstrip('/'), base.lstrip('/')
+
+    def _on_topic(self, header: Any, turn: Any, topic: str, time: int) -> Iterator[Frame]:
+        stamp = nanoseconds(header.stamp)
+        self._topics.add(topic)
+        self._parents[topic] = header.frame_id.lstrip('/')
+        here = self._waiting.setdefault(stamp, {})
+        here[topic] = turn.x, turn.y, turn.z, turn.w
+        if len(here) == 2:
+            self._poses.update(self._waiting.pop(stamp))
+            if self._known():
+                yield self._frame(stamp, time)
+        elif len(self._waiting) > WAITING:
+            self._alone += len(self._waiting.pop(next(iter(self._waiting))))
+
+    def _put(self, transform: Any, stamp: int, time: int) -> None:
+        name, turn = transform.child_frame_id.lstrip('/'), transform.transform.rotation
+        self._parents[name] = transform.header.frame_id.lstrip('/')
+        self._poses[name] = turn.x, turn.y, turn.z, turn.w
+        humerus, base = self._names
+        if name in set(self._chain(humerus)) - set(self._chain(base)):
+            self._due = stamp, time
+
+    def _tell(self) -> Iterator[Frame]:
+        due, self._due = self._due, None
+        if due is not None and self._known():
+            yield self._frame(*due)
+
+    def _frame(self, stamp: int, time: int) -> Frame:
+        self._told += 1
+        return Frame(stamp, time, self._angles())
+
+    def _lacking(self) -> str:
+        humerus, base = self._names
+        for bone in (humerus, base):
+            if bone not in self._poses and bone not in self._parents.values():
+                met = sorted({*self._poses, *self._parents, *self._parents.values()} - {''})
+                return f'no pose of {bone}; frames met: {", ".join(met) or "none"}'
+        return (
+            f'{humerus} is given in {self._root(humerus)!r}, {base} in {self._root(base)!r}; '
+            'poses in one frame expected'
+        )
 
     def _chain(self, frame: str) -> Iterator[str]:
         """Yield a frame and those it hangs on, up to the root."""
         seen: set[str] = set()
-        while frame in self.poses and frame not in seen:
+        while frame in self._poses and frame not in seen:
             seen.add(frame)
             yield frame
-            frame = self.parents.get(frame, '')
+            frame = self._parents.get(frame, '')
 
     def _root(self, frame: str) -> str:
         chain = list(self._chain(frame))
-        return self.parents.get(chain[-1], '') if chain else frame
+        return self._parents.get(chain[-1], '') if chain else frame
 
     def _known(self) -> bool:
-        humerus, base = self.bones.humerus, self.bones.base
+        humerus, base = self._names
         if self._root(humerus) != self._root(base):
             return False
-        return humerus in self.poses and (base in self.poses or base == self._root(humerus))
+        return humerus in self._poses and (base in self._poses or base == self._root(humerus))
 
     def _in_root(self, frame: str) -> Floats:
         R = np.eye(3)
         for each in self._chain(frame):
-            R = self.poses[each] @ R
+            R = rotation(*self._poses[each]) @ R
         return R
 
     def _angles(self) -> Three:
         axes = FRAME_AXES[self.bones.axes]
-        R = axes @ self._in_root(self.bones.base).T @ self._in_root(self.bones.humerus) @ axes.T
+        humerus, base = (self._in_root(name) for name in self._names)
+        R = axes @ base.T @ humerus @ axes.T
         if self.side == 'left':  # the right shoulder's rotation at the same anatomical angles
             R = MIRROR @ R @ MIRROR
         if self.bones.scapula is None:
@@ -152,6 +209,11 @@ class PoseMemory:
         except ValueError as error:
             raise Rejected('no_angles', str(error)) from None
         return a, b, c
+
+
+def nanoseconds(stamp: Any) -> int:
+    """Return a message's stamp, ns."""
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
 def glenohumeral(thoracic: Floats, rhythm: float) -> Floats:

@@ -5,8 +5,9 @@ No message package is needed here: a JointState is read as its names and its seq
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 Three = tuple[float, float, float]
@@ -39,6 +40,23 @@ class JointMap:
             raise ValueError(f'joints {", ".join(self.names)}: 3 different joints expected')
         if not all(map(math.isfinite, (*self.signs, *self.offsets))):
             raise ValueError(f'signs {self.signs}, offsets {self.offsets}: finite numbers expected')
+
+    @staticmethod
+    def of_facts(facts: Mapping[str, str]) -> JointMap:
+        """Return the mapping that an output's metadata tells; KeyError or ValueError for none."""
+        a, b, c = json.loads(facts['joints'])
+        i, j, k = map(float, facts['joint_signs'].split())
+        x, y, z = map(float, facts['joint_offsets_rad'].split())
+        return JointMap((a, b, c), (i, j, k), (x, y, z))
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """How angles are made of the recorded, for an output's metadata."""
+        return {
+            'joints': json.dumps(self.names),
+            'joint_signs': ' '.join(f'{sign:g}' for sign in self.signs),
+            'joint_offsets_rad': ' '.join(repr(offset) for offset in self.offsets),
+        }
 
 
 @dataclass

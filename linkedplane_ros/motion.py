@@ -6,10 +6,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
+
+from .joint_input import Three
 
 Floats = npt.NDArray[np.float64]
 Stamps = npt.NDArray[np.int64]
@@ -61,6 +63,19 @@ class Chunk:
             self.records,
             [record for record, keep in zip(self.follows, good, strict=True) if keep],
         )
+
+
+class Frame(NamedTuple):
+    """One frame of a motion."""
+
+    stamp: int
+    """ns"""
+    time: int
+    """When it was recorded, ns."""
+    angles: Three
+    """rad"""
+    speeds: Three | None = None
+    """rad/s; None where not known."""
 
 
 class Motion(Protocol):

@@ -26,6 +26,7 @@ from .solver import MuscleStates
 Floats = npt.NDArray[np.float64]
 
 ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}
+TABLE_ENDINGS = {'.csv': 'csv', '.parquet': 'parquet'}
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +78,8 @@ def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
         raise RecordingError(f'{path}: exists; --force to replace it')
     if path.is_dir() and not (bag and (path / 'metadata.yaml').is_file()):
         raise RecordingError(f'{path}: a folder; only a bag is replaced, and by a bag alone')
+    if bag and path.is_file():
+        raise RecordingError(f'{path}: a file; a bag is a folder')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
     beside = workshop(path, os.getpid())
@@ -213,7 +216,7 @@ class ParquetOutput:
 def format_of(path: Path, chosen: str | None) -> str:
     """Return the format of an output: the one chosen, else by its ending."""
     ending = path.suffix.lower()
-    kind = chosen or {'.csv': 'csv', '.parquet': 'parquet'}.get(ending, 'bag')
+    kind = chosen or TABLE_ENDINGS.get(ending, 'bag')
     if kind == 'bag' and ending in ('.mcap', '.db3'):
         raise RecordingError(f'{path}: a bag is a folder; name it without {path.suffix}')
     return kind

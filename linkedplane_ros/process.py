@@ -7,12 +7,10 @@ A recording is worked on in chunks; each recording is a task of its own, and tas
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from glob import glob, has_magic
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +24,6 @@ from .joint_input import JointMap
 from .model import BroadMuscle
 from .motion import Chunk, Motion, Refused
 from .outputs import (
-    ENDINGS,
     CsvOutput,
     Described,
     Output,
@@ -66,6 +63,8 @@ class Task:
     frame_id: str = 'scapula'
     rate: float | None = None
     lowpass: float | None = None
+    differentiate: bool = False
+    """Whether the velocities are differences in time, whatever was recorded."""
     markers: bool = True
     """Whether a bag gets the markers, too."""
     force: bool = False
@@ -86,66 +85,6 @@ class Report:
     """Why there is no output, in one line; empty: there is one."""
 
 
-def tasks(inputs: Sequence[Path], target: Path, **options: Any) -> list[Task]:
-    """Return a task for each recording among the inputs: files, bags and folders of them.
-
-    Several recordings, or a folder of them, go into the target as a folder.
-    """
-    sources = list(dict.fromkeys(source for each in inputs for source in recordings_in(each)))
-    alone = len(sources) == 1 and sources[0] in inputs
-    if alone and (not target.is_dir() or is_bag(target)):
-        return [Task(sources[0], target, **options)]
-    kind = options.pop('kind', None) or 'bag'
-    made = [
-        Task(source, target / (plain_name(source) + ENDINGS[kind]), kind, **options)
-        for source in sources
-    ]
-    seen: dict[Path, Path] = {}
-    for task in made:
-        if task.target in seen:
-            raise RecordingError(
-                f'{task.source} and {seen[task.target]} would both become {task.target}; '
-                'process them into folders of their own'
-            )
-        seen[task.target] = task.source
-    return made
-
-
-def matching(pattern: str) -> list[Path]:
-    """Return the paths that match a pattern in the order of their names, or the path it is."""
-    if Path(pattern).exists() or not has_magic(pattern):
-        return [Path(pattern)]
-    found = sorted(glob(pattern, recursive=True))
-    if not found:
-        raise RecordingError(f'{pattern}: nothing matches')
-    return [Path(each) for each in found]
-
-
-def plain_name(path: Path) -> str:
-    """Return a recording's name without the ending of a file; a folder's name has none."""
-    return path.name if path.is_dir() else path.stem
-
-
-def recordings_in(path: Path) -> Iterator[Path]:
-    """Yield a recording, or the recordings of a folder, in the order of their names."""
-    if not path.is_dir() or is_bag(path):
-        yield path
-        return
-    found = sorted(
-        each
-        for each in path.iterdir()
-        if is_bag(each) or each.suffix.lower() in (*TABLES, '.mcap', '.db3')
-    )
-    if not found:
-        raise RecordingError(f'{path}: no recordings in it (bags, .mcap, .db3, .mot, .sto, .csv)')
-    yield from found
-
-
-def is_bag(path: Path) -> bool:
-    """Return whether a path is a bag's folder."""
-    return (path / 'metadata.yaml').is_file()
-
-
 def motion_of(task: Task) -> Motion:
     """Open a task's recording; RecordingError if it is no good."""
     convention = JOINT_CONVENTIONS[task.convention]
@@ -160,7 +99,7 @@ def motion_of(task: Task) -> Motion:
         motion = BagMotion.of_poses(task.source, task.bones, convention, task.side)
     else:
         motion = BagMotion.of_joints(task.source, joints, task.topic)
-    if task.rate is None and task.lowpass is None:
+    if task.rate is None and task.lowpass is None and not task.differentiate:
         return motion
     return Smoothed(motion, task.rate, task.lowpass)
 
@@ -182,9 +121,6 @@ def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
         'side': task.side,
         'joint_convention': convention.name,
         'rotation': convention.formula,
-        'joints': json.dumps(task.joints or convention.coordinates),
-        'joint_signs': ' '.join(f'{sign:g}' for sign in task.signs),
-        'joint_offsets_rad': ' '.join(repr(offset) for offset in task.offsets),
         **motion.facts,
         'resampled_to_hz': 'no' if task.rate is None else f'{task.rate:g}',
         'lowpass_hz': 'no'

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-import tempfile
 from collections.abc import Mapping
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,12 @@ import numpy as np
 import numpy.typing as npt
 import yaml
 
+from .bag_motion import JointTaker
+from .conventions import JOINT_CONVENTIONS
+from .joint_input import JointMap, JointMemory, Rejected
+from .motion import Frame
 from .plot import Processed
-from .process import Task, run
-from .recordings import RecordingError
+from .recordings import RecordingError, deserialized, opened
 
 Floats = npt.NDArray[np.float64]
 
@@ -70,33 +73,60 @@ def from_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
 
 
 def from_bag(path: Path) -> Processed:
-    """Return what an annotated bag holds: the muscle is solved again, as the bag says it was."""
+    """Return what an annotated bag holds."""
     try:
         content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
         facts = content['rosbag2_bagfile_information']['custom_data']
-        options: dict[str, Any] = {
-            'convention': facts['joint_convention'],
-            'side': facts['side'],
-            'muscle': facts['model'],
-        }
-        options['topic'] = facts['angles_topic'] or facts['topic']
-        if not facts['angles_topic']:
-            a, b, c = (float(each) for each in facts['joint_signs'].split())
-            x, y, z = (float(each) for each in facts['joint_offsets_rad'].split())
-            options |= {
-                'joints': tuple(json.loads(facts['joints'])),
-                'signs': (a, b, c),
-                'offsets': (x, y, z),
-            }
+        muscle = facts['muscle']
+        a, b, c = JOINT_CONVENTIONS[facts['joint_convention']].coordinates
+        joints = JointMap((a, b, c), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+        topic = facts['angles_topic']
+        if not topic:
+            topic, joints = facts['topic'], JointMap.of_facts(facts)
     except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
         raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
-    with tempfile.TemporaryDirectory() as folder:
-        table = Path(folder) / 'table.csv'
-        report = run(Task(path, table, 'csv', **options))
-        if report.fault:
-            raise RecordingError(report.fault)
-        made, columns = from_csv(table)
-    return assembled(path, made, columns)
+    return assembled(
+        path, facts, columns_of_bag(path, muscle, JointTaker(topic, JointMemory(joints)))
+    )
+
+
+def columns_of_bag(path: Path, muscle: str, taker: JointTaker) -> dict[str, Floats]:
+    """Return the columns of an annotated bag: the angles and the answers to them."""
+    wanted = {f'/{muscle}/{name}': name for name in ('band_lengths', 'moment_arms', 'wrap_states')}
+    answers: dict[str, list[Any]] = {name: [] for name in wanted.values()}
+    frames: list[Frame] = []
+    answered: list[Frame] = []
+    names: dict[str, list[str]] = {}
+    with closing(opened(path)) as reader:
+        for connection, time, data in reader.messages():
+            topic = connection.topic
+            if taker.wants(topic, connection.msgtype):
+                message = deserialized(reader, data, connection.msgtype)
+                with suppress(Rejected):
+                    frames = list(taker.take(message, topic, time))
+            elif topic in wanted:
+                message = deserialized(reader, data, connection.msgtype)
+                answers[wanted[topic]].append(message.data)
+                names = {
+                    kind: listed.split(',')
+                    for kind, _, listed in (dim.label.partition(':') for dim in message.layout.dim)
+                } | names
+                if wanted[topic] == 'band_lengths':  # the first of an answer
+                    answered += frames
+    bands, coordinates = names['band'], names['coordinate']
+    times = np.array([frame.stamp for frame in answered]) * 1e-9
+    angles = np.array([frame.angles for frame in answered])
+    arms = np.array(answers['moment_arms'])
+    columns = {'time': times}
+    columns |= {f'angles/{name}': each for name, each in zip(coordinates, angles.T, strict=True)}
+    for topic in ('band_lengths', 'wrap_states'):
+        values = np.array(answers[topic]).T
+        columns |= {f'{topic}/{band}': each for band, each in zip(bands, values, strict=True)}
+    pairs = [(band, name) for band in bands for name in coordinates]
+    columns |= {
+        f'moment_arms/{band}/{name}': each for (band, name), each in zip(pairs, arms.T, strict=True)
+    }
+    return columns
 
 
 def assembled(path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats]) -> Processed:

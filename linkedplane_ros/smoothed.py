@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .bag_motion import BagMotion
+from .bag_motion import BagMotion, Batch
 from .motion import ROWS, Chunk, Motion, Stamps, in_nanoseconds
 from .recordings import RecordingError
-from .tables import differentiated, lowpassed, resampled
+from .tables import PADDING, differentiated, lowpassed, resampled
 
 Floats = npt.NDArray[np.float64]
 
+GAP = 10.0  # usual steps: a longer one is not bridged
+UNEVEN = 1.5  # mean steps: a longer one is uneven
+JUMP = 1.5  # rad from frame to frame: no arm moves so
+
 
 class Smoothed:
-    """A motion filtered and brought to a constant rate; it holds the whole of its angles.
+    """A motion filtered, brought to a constant rate, and differentiated in time.
 
-    The messages of a bag, where they are wanted, are kept among the new frames.
+    It holds the whole of its angles, and goes on after a gap as if it began anew. The messages of a
+    bag, where they are wanted, are kept among the new frames.
     """
 
     def __init__(self, motion: Motion, rate: float | None, cutoff: float | None) -> None:
-        """`rate`, Hz, or None: as recorded, which has to be even to be filtered; `cutoff`, Hz."""
+        """`rate`, Hz, or None: as recorded; `cutoff`, Hz, or None: not filtered."""
         self.motion, self.rate, self.cutoff = motion, rate, cutoff
         self.path, self.refused = motion.path, motion.refused
         self.keeps_records = isinstance(motion, BagMotion)
@@ -36,15 +42,22 @@ class Smoothed:
         if not parts:
             return
         stamps, recorded, angles = (np.concatenate(each) for each in zip(*parts, strict=True))
-        start, whole = int(stamps[0]), 1e-9 * (stamps - stamps[0])
-        try:
-            times, angles = self._smoothed(whole, angles)
-        except ValueError as error:
-            raise RecordingError(f'{self.path}: {error}') from None
-        behind = np.interp(times, whole, 1e-9 * (recorded - stamps))  # recorded, after its stamp
-        stamps = start + in_nanoseconds(times)
-        written = np.maximum.accumulate(stamps + in_nanoseconds(behind))
-        frames = Chunk(stamps, angles, differentiated(times, angles), written, 1.0)
+        later = self._later(stamps)
+        stamps, recorded, angles = stamps[later], recorded[later], angles[later]
+        times = 1e-9 * (stamps - stamps[0])
+        made = [self._smoothed(times[one], angles[one]) for one in self._unbroken(times)]
+        if not made:
+            return
+        new = np.concatenate([each for each, _, _ in made])
+        late = np.interp(new, times, 1e-9 * (recorded - stamps))  # recorded, after its stamp
+        stamps = stamps[0] + in_nanoseconds(new)
+        frames = Chunk(
+            stamps,
+            np.concatenate([each for _, each, _ in made]),
+            np.concatenate([each for _, _, each in made]),
+            np.maximum.accumulate(stamps + in_nanoseconds(late)),
+            1.0,
+        )
         if isinstance(self.motion, BagMotion) and self.keeps_records:
             yield from among(frames, self.motion.records())
             return
@@ -52,27 +65,72 @@ class Smoothed:
             which, share = slice(k, k + ROWS), min((k + ROWS) / len(stamps), 1.0)
             yield part(frames, which, share, (), np.full(len(stamps[which]), -1))
 
-    def _smoothed(self, times: Floats, angles: Floats) -> tuple[Floats, Floats]:
-        """Return times (k,), s, and angles (k, 3), rad, filtered, then resampled."""
-        rate = self.rate or steady_rate(times)
-        # as many samples as were recorded are filtered, then brought to the rate asked for
-        if self.cutoff is not None:
-            own = (len(times) - 1) / times[-1] if len(times) > 1 and times[-1] > 0.0 else rate
-            times, angles = resampled(times, angles, own)
-            angles = lowpassed(angles, own, self.cutoff)
-        if self.rate is not None:
-            times, angles = resampled(times, angles, rate)
-        return times, angles
+    def _later(self, stamps: Stamps) -> npt.NDArray[np.intp]:
+        """Return the frames whose stamps increase, the last of equal ones; count the others."""
+        forward = stamps == np.maximum.accumulate(stamps)
+        for k in np.flatnonzero(~forward)[:1]:
+            where = f'frame {k + 1}, stamp {1e-9 * stamps[k]:.2f} s: earlier than one before it'
+            self.refused.add('earlier', where, int((~forward).sum()))
+        kept = np.flatnonzero(forward)
+        return np.asarray(kept[np.append(np.diff(stamps[kept]) > 0, True)])
+
+    def _unbroken(self, times: Floats) -> Iterator[slice]:
+        """Yield the parts of increasing times (m,), s, between gaps; count those too short."""
+        steps = np.diff(times)
+        usual = np.median(steps) if len(steps) else 0.0
+        ends = [0, *(1 + np.flatnonzero(steps > GAP * usual)).tolist(), len(times)]
+        least = PADDING + 1 if self.cutoff is not None else 2 if self.rate is not None else 1
+        for start, stop in pairwise(ends):
+            if stop - start >= least:
+                yield slice(start, stop)
+                continue
+            where = f'{times[start]:.2f} s: a stretch without gaps of {stop - start} frames'
+            self.refused.add('too_short', f'{where}; at least {least} expected', stop - start)
+
+    def _smoothed(self, times: Floats, angles: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return times (k,), s, angles (k, 3), rad, and velocities, of a motion without gaps."""
+        try:
+            angles = continuous(times, angles)
+            if self.cutoff is not None:
+                # as many samples as were recorded are filtered, then brought to the rate asked for
+                own = (len(times) - 1) / (times[-1] - times[0])
+                if self.rate is None and np.diff(times).max() > UNEVEN / own:
+                    raise ValueError(
+                        'the recording is not evenly spaced in time; give a --rate, too'
+                    )
+                times, angles = resampled(times, angles, own)
+                angles = lowpassed(angles, own, self.cutoff)
+            if self.rate is not None:
+                times, angles = resampled(times, angles, self.rate)
+        except ValueError as error:
+            raise RecordingError(f'{self.path}: {error}') from None
+        return times, angles, differentiated(times, angles)
 
 
-def among(frames: Chunk, batches: Iterator[tuple[float, list[Any]]]) -> Iterator[Chunk]:
+def continuous(times: Floats, angles: Floats) -> Floats:
+    """Return angles (m, 3), rad, that cross from pi to -pi as ones that go on beyond pi.
+
+    ValueError where they jump nevertheless, as at a convention's singularity: what comes of a
+    filter there is no pose of the arm.
+    """
+    angles = np.unwrap(angles, axis=0)
+    steps = np.abs(np.diff(angles, axis=0)).max(axis=1, initial=0.0)
+    for k in np.flatnonzero(steps > JUMP)[:1]:
+        raise ValueError(
+            f'an angle jumps by {steps[k]:.2f} rad at {times[k]:.2f} s, as at a singularity of the '
+            'convention: nothing is to be filtered or resampled across it; another --convention?'
+        )
+    return angles
+
+
+def among(frames: Chunk, batches: Iterator[Batch]) -> Iterator[Chunk]:
     """Yield the frames with the messages of a bag, each behind those recorded before it."""
     given = 0
-    for share, records in batches:
+    for records, share, last in batches:
         recorded = np.array([time for _, time, _ in records], dtype=np.int64)
         # those after the last of these messages wait for the next
         end = len(frames.times)
-        if share < 1.0:
+        if not last:
             end = int(np.searchsorted(frames.times, recorded[-1], side='right'))
         follows = np.searchsorted(recorded, frames.times[given:end], side='right') - 1
         first = 0
@@ -98,11 +156,3 @@ def part(
         records,
         follows.tolist(),
     )
-
-
-def steady_rate(times: Floats) -> float:
-    """Return the rate, Hz, of evenly spaced times (m,), s; ValueError for others."""
-    steps = np.diff(times)
-    if len(steps) and 0.0 < steps.min() and steps.max() < 1.5 * np.median(steps):
-        return float(1.0 / np.median(steps))
-    raise ValueError('the recording is not evenly spaced in time; give a --rate, too')

@@ -41,6 +41,7 @@ class TableMotion:
         self.facts: Mapping[str, str] = {
             'columns': ', '.join(self.columns),
             'read_in': f'{"deg" if in_degrees else "rad"}: {says}',
+            **joints.facts,
             'velocities': 'differentiated',
         }
 
@@ -66,7 +67,7 @@ class TableMotion:
 
     def _chunk(self, times: Floats, angles: Floats, part: slice, share: float) -> Chunk:
         with np.errstate(divide='ignore', invalid='ignore'):  # times that stand still
-            speeds = differentiated(times, angles)
+            speeds = differentiated(times, np.unwrap(angles, axis=0))
         speeds[~np.isfinite(speeds).all(axis=1)] = np.nan
         try:
             stamps = in_nanoseconds(times[part])

@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import wait
@@ -96,9 +97,10 @@ class Worker:
         far.close()
 
     def begin(self, number: int, task: Task) -> None:
-        """Give it a task."""
+        """Give it a task; if it is dead, that shows when the answer is asked for."""
         self.number = number
-        self.pipe.send((number, task))
+        with suppress(OSError):
+            self.pipe.send((number, task))
 
     def end(self) -> None:
         """End the process; what it was writing is removed."""
@@ -110,7 +112,7 @@ def serve(pipe: Any, board: Any) -> None:
     """Work off tasks as they come; an interruption is the other end's to tell."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())
-    with suppress(EOFError):
+    with suppress(EOFError, OSError):
         while True:
             number, task = pipe.recv()
             pipe.send(run(task, partial(tell, board, number)))
@@ -138,7 +140,7 @@ def in_processes(
                 try:
                     report: Report = pipe.recv()
                     idle.append(worker)
-                except EOFError:
+                except (EOFError, OSError):
                     worker.end()
                     remove(workshop(task.target, worker.process.pid))
                     code = worker.process.exitcode
@@ -168,12 +170,23 @@ def on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Repor
         raise RecordingError(f'--dask {address}: not reached: {error}') from None
     with client:
         futures = {
-            client.submit(run, task, pure=False): number for number, task in enumerate(tasks)
+            client.submit(run, anywhere(task), pure=False): number
+            for number, task in enumerate(tasks)
         }
-        for future in as_completed(list(futures)):
-            number = futures[future]
-            try:
-                report = future.result()
-            except Exception as error:
-                report = failed(tasks[number], error)
-            yield number, report
+        try:
+            for future in as_completed(list(futures)):
+                number = futures[future]
+                try:
+                    report = replace(future.result(), task=tasks[number])
+                except Exception as error:
+                    report = failed(tasks[number], error)
+                yield number, report
+        finally:
+            client.cancel(list(futures))
+
+
+def anywhere(task: Task) -> Task:
+    """Return a task with paths that hold in any folder."""
+    model = Path(task.muscle)
+    muscle = str(model.resolve()) if model.is_file() else task.muscle
+    return replace(task, source=task.source.resolve(), target=task.target.resolve(), muscle=muscle)

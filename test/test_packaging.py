@@ -34,6 +34,7 @@ PURE = (
     'compiled',
     'conventions',
     'frames',
+    'inputs',
     'joint_input',
     'kernels',
     'layouts',

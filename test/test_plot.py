@@ -32,6 +32,7 @@ from linkedplane_ros.plot import (
     shades,
     thinned,
 )
+from linkedplane_ros.processed import read
 from linkedplane_ros.recordings import RecordingError
 
 EXACT = 1e-9  # mm, deg, s: drawn are the given numbers, but for the rounding of their units
@@ -451,3 +452,15 @@ def test_what_is_no_output_is_not_plotted(
         error = capsys.readouterr().err
         assert str(tmp_path if path == '.' else path) in error
         assert error.count('\n') == 1
+
+
+def test_a_bag_is_drawn_as_it_stands(tmp_path: Path) -> None:
+    source = write(tmp_path / 'in', odd_motion())
+    options = ['--signs', '1', '-1', '1', '--offsets', '0.1', '0', '0', '--side', 'left']
+    for name in ('out', 'out.csv'):
+        assert exit_status([str(source), str(tmp_path / name), *options]) == 0
+    bag, table = (read(tmp_path / name) for name in ('out', 'out.csv'))
+    assert (bag.bands, bag.coordinates, bag.heads) == (table.bands, table.coordinates, table.heads)
+    for name in ('angles', 'lengths', 'arms', 'wrap'):
+        np.testing.assert_array_equal(getattr(bag, name), getattr(table, name))
+    np.testing.assert_allclose(bag.times, table.times, rtol=1e-15)

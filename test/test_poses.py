@@ -161,7 +161,42 @@ def test_poses_that_never_come_at_one_stamp_are_named(tmp_path: Path) -> None:
     sent += [pose(2 * k + 1, '/scapula', lab(k)) for k in range(3)]
     source = write(tmp_path / 'in', sent)
     report = run(Task(source, tmp_path / 'out', bones=Bones('/humerus', '/scapula')))
-    assert 'poses of /humerus and /scapula at no common stamp' in report.fault
+    assert 'poses of /humerus or /scapula without the other at their stamp' in report.fault
+
+
+def test_a_topic_may_lag_behind_the_other(tmp_path: Path) -> None:
+    convention = JOINT_CONVENTIONS['isb_yxy']
+    scapula = [pose(k, '/scapula', lab(k)) for k in range(30)]
+    humerus = [
+        pose(k, '/humerus', lab(k) @ convention.rotation(angles)) for k, angles in enumerate(ANGLES)
+    ]
+    late = [(topic, kind, time + 11 * 10**6, data) for topic, kind, time, data in humerus]
+    del late[20]
+    sent = sorted([*scapula, *late], key=lambda each: each[2])
+    source = write(tmp_path / 'in', sent)
+    bones = Bones('/humerus', '/scapula')
+    report = run(Task(source, tmp_path / 'out.csv', convention='isb_yxy', bones=bones))
+    assert (report.frames, dict(report.refused)) == (29, {'alone': 1})
+    want = np.delete(ANGLES, 20, axis=0)
+    np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], want, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize('slash', ['', '/'])
+def test_frames_of_one_stamp_may_come_in_several_messages_among_bad_ones(
+    tmp_path: Path, slash: str
+) -> None:
+    convention = JOINT_CONVENTIONS['isb_yxy']
+    sent = []
+    for k, angles in enumerate(ANGLES):
+        broken = tree(k, ('lab', 'camera', lab(k)))
+        sent.append((*broken[:3], broken[3][:-32] + bytes(32)))  # no quaternion
+        sent.append(tree(k, ('lab', 'humerus', lab(k) @ convention.rotation(angles))))
+        sent.append(tree(k, ('lab', 'scapula', lab(k))))
+    source = write(tmp_path / 'in', sent)
+    bones = Bones(f'{slash}humerus', f'{slash}scapula')
+    report = run(Task(source, tmp_path / 'out.csv', convention='isb_yxy', bones=bones))
+    assert (report.fault, report.frames, dict(report.refused)) == ('', 30, {})
+    np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
 
 def test_a_bag_of_poses_gets_the_angles_and_can_be_plotted(

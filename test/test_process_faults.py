@@ -23,6 +23,7 @@ from bags import (
 )
 from rosbags.rosbag2 import StoragePlugin
 
+from linkedplane_ros.inputs import recordings
 from linkedplane_ros.process import Task, run
 
 
@@ -235,3 +236,78 @@ def test_a_bag_is_not_processed_twice(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_a_bag_is_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     line = refused(capsys, str(BAG), str(tmp_path / 'out.mcap'))
     assert f'{tmp_path / "out.mcap"}: a bag is a folder; name it without .mcap' in line
+
+
+def test_what_cannot_be_used_does_not_keep_the_others_from_being_done(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = write(tmp_path / 'good', odd_motion())
+    (tmp_path / 'empty').mkdir()
+    out = tmp_path / 'out'
+    named = [str(good), str(tmp_path / 'empty'), str(tmp_path / 'no*thing'), str(good) + '/*.mcap']
+    assert exit_status([*named, str(out)]) == 1
+    error = capsys.readouterr().err
+    assert error.splitlines() == [
+        f'linkedplane: {tmp_path / "empty"}: no recordings in it '
+        '(bags, .mot, .sto, .csv, .mcap, .db3)',
+        f'linkedplane: {tmp_path / "no*thing"}: nothing matches',
+        f'linkedplane: {good / "good.mcap"}: would become {out / "good"}, as {good} does; '
+        'process them into folders of their own',
+    ]
+    assert [each.name for each in out.iterdir()] == ['good']
+
+
+def test_a_pattern_stands_for_the_recordings_in_it(tmp_path: Path) -> None:
+    write(tmp_path / 'lab' / 'deep' / 'walk', odd_motion())
+    (tmp_path / 'lab' / 'notes.txt').touch()
+    assert exit_status([str(tmp_path / 'lab' / '**'), str(tmp_path / 'out')]) == 0
+    assert [each.name for each in (tmp_path / 'out').iterdir()] == ['walk']
+
+
+def test_several_recordings_need_a_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sources = [str(write(tmp_path / f'in{k}', odd_motion())) for k in range(2)]
+    line = refused(capsys, *sources, str(tmp_path / 'x.csv'))
+    assert 'x.csv: a folder expected for several recordings; --format csv?' in line
+
+
+@pytest.mark.parametrize(
+    ('options', 'line'),
+    [
+        (('--joints', 'a', 'b', 'c'), '--joints: for joint angles alone, not for poses'),
+        (('--signs', '1', '-1', '1'), '--signs: for joint angles alone, not for poses'),
+        (('--degrees',), '--degrees: for joint angles alone, not for poses'),
+    ],
+)
+def test_options_that_would_do_nothing_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], line: str
+) -> None:
+    poses = ('--humerus', '/h', '--scapula', '/s')
+    assert line in refused(capsys, str(BAG), str(tmp_path / 'out'), *poses, *options)
+    assert '--frame-axes: for poses alone' in refused(
+        capsys, str(BAG), str(tmp_path / 'out'), '--frame-axes', 'isb'
+    )
+
+
+def test_a_bag_has_no_times_before_zero(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / 'in.csv'
+    source.write_text('time,flexion,abduction,rotation\n-1.5,0.1,0.2,0.3\n')
+    line = refused(capsys, str(source), str(tmp_path / 'out'))
+    assert 'time -1.5 s: a bag has none before 0 s' in line
+
+
+def test_a_file_is_not_replaced_by_a_bag(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'out').touch()
+    line = refused(capsys, str(BAG), str(tmp_path / 'out'), '--force')
+    assert f'{tmp_path / "out"}: a file; a bag is a folder' in line
+
+
+def test_a_folder_holds_bags_and_tables_in_the_order_of_their_names(tmp_path: Path) -> None:
+    write(tmp_path / 'b', [joint_state(0)])
+    for name in ('c.mot', 'a.sto', 'notes.txt', 'd.CSV'):
+        (tmp_path / name).touch()
+    found, faults = recordings([str(tmp_path)])
+    assert ([each.name for each in found], faults) == (['a.sto', 'b', 'c.mot', 'd.CSV'], [])

@@ -9,13 +9,14 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bags import joint_state, odd_motion, refused, write
+from bags import odd_motion, refused, write
 
-from linkedplane_ros.process import Task, recordings_in
-from linkedplane_ros.workers import run_all
+from linkedplane_ros.process import Task
+from linkedplane_ros.workers import Worker, run_all
 
 
 def test_the_results_do_not_depend_on_how_many_work_at_a_time(tmp_path: Path) -> None:
@@ -28,13 +29,6 @@ def test_the_results_do_not_depend_on_how_many_work_at_a_time(tmp_path: Path) ->
     for s in sources:
         one, two = (tmp_path / str(jobs) / f'{s.name}.csv' for jobs in (1, 2))
         assert one.read_bytes() == two.read_bytes()
-
-
-def test_a_folder_holds_bags_and_tables_in_the_order_of_their_names(tmp_path: Path) -> None:
-    write(tmp_path / 'b', [joint_state(0)])
-    for name in ('c.mot', 'a.sto', 'notes.txt', 'd.CSV'):
-        (tmp_path / name).touch()
-    assert [each.name for each in recordings_in(tmp_path)] == ['a.sto', 'b', 'c.mot', 'd.CSV']
 
 
 def test_a_cluster_gives_what_one_process_gives(tmp_path: Path) -> None:
@@ -117,6 +111,26 @@ def test_a_worker_that_dies_costs_its_recording_alone(tmp_path: Path) -> None:
     assert len(list((tmp_path / 'out').iterdir())) == 2  # and no .part
 
 
+@pytest.mark.parametrize('when', ['before', 'after'])
+def test_a_worker_may_die_before_it_has_read_its_task(
+    tmp_path: Path, when: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin = Worker.begin
+
+    def begin_and_die(worker: Worker, number: int, task: Task) -> None:
+        if number == 0 and when == 'before':
+            worker.process.kill()
+            worker.process.join()
+        begin(worker, number, task)
+        if number == 0:
+            worker.process.kill()
+
+    monkeypatch.setattr(Worker, 'begin', begin_and_die)
+    made = [Task(write(tmp_path / f'in{k}', odd_motion()), tmp_path / f'{k}.csv') for k in (0, 1)]
+    reports = {report.task.source.name: report.fault for report in run_all(made, 2, None)}
+    assert reports == {'in0': f'{tmp_path / "in0"}: its process died, status -9', 'in1': ''}
+
+
 @needs_proc
 @pytest.mark.parametrize('jobs', ['1', '2'])
 @pytest.mark.parametrize(('number', 'status'), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -155,3 +169,26 @@ def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> N
     assert seen == sorted(seen)
     assert seen[-1] == (sum(report.frames for report in reports), pytest.approx(1.0))
     assert jobs > 1 or any(0.2 < share < 0.8 for _, share in seen)
+
+
+def test_on_a_terminal_the_lines_stand_alone_and_go_where_they_are_sent(tmp_path: Path) -> None:
+    pty = pytest.importorskip('pty')
+    sources = [write(tmp_path / f'in{k}', odd_motion()) for k in range(2)]
+    near, far = pty.openpty()
+    command = [sys.executable, '-m', 'linkedplane_ros.cli', 'process', *map(str, sources)]
+    with (
+        (tmp_path / 'log').open('w') as log,
+        subprocess.Popen([*command, str(tmp_path / 'out')], stdout=log, stderr=far) as process,
+    ):
+        os.close(far)
+        shown = b''
+        with suppress(OSError):  # the end of a terminal
+            while got := os.read(near, 4096):
+                shown += got
+    os.close(near)
+    assert process.returncode == 0
+    lines = (tmp_path / 'log').read_text().splitlines()
+    assert sum(' a second' in line for line in lines) == 2
+    assert lines[-1].startswith('2 of 2 recordings processed')
+    assert b'100%' in shown
+    assert b' a second' not in shown

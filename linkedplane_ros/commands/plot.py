@@ -18,8 +18,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Draw a processed recording: lengths, moment arms and wrap states."""
+    from ..inputs import plain_name
     from ..plot import save
-    from ..process import plain_name
     from ..processed import read
 
     source = Path(args.output) if Path(args.output).name else Path(args.output).resolve()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..conventions import JOINT_CONVENTIONS, SIDES
 from .values import counting, positive, sign
@@ -29,9 +29,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                      default='flexion_abduction_rotation', help='what the angles mean')  # fmt: skip
     parser.add_argument('--joints', nargs=3, metavar='NAME',
                      help="the three joints or columns (default: the convention's)")  # fmt: skip
-    parser.add_argument('--signs', nargs=3, type=sign, default=(1.0, 1.0, 1.0), metavar='SIGN',
+    parser.add_argument('--signs', nargs=3, type=sign, metavar='SIGN',
                      help='angle = sign * recorded + offset')  # fmt: skip
-    parser.add_argument('--offsets', nargs=3, type=float, default=(0.0, 0.0, 0.0), metavar='RAD')
+    parser.add_argument('--offsets', nargs=3, type=float, metavar='RAD')
     parser.add_argument('--degrees', action='store_true', help="the table's angles are in degrees")
     parser.add_argument('--topic', help="the bag's topic of joint states, where it has several")
     parser.add_argument('--humerus', metavar='NAME',
@@ -42,14 +42,16 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                       help='the same, less the share of the scapula (--rhythm)')  # fmt: skip
     parser.add_argument('--rhythm', type=positive, metavar='RATIO',
                      help='glenohumeral to scapulothoracic elevation (default 2)')  # fmt: skip
-    parser.add_argument('--frame-axes', choices=('model', 'isb'), default='model',
-                     help='of their frames; isb: x anterior, y superior, z lateral')  # fmt: skip
+    parser.add_argument('--frame-axes', choices=('model', 'isb'),
+                        help='isb: their x is anterior, y superior, z lateral')  # fmt: skip
     parser.add_argument('--side', choices=SIDES, default='right')
     parser.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
     parser.add_argument('--frame-id', default='scapula', help='the frame of the outputs')
     parser.add_argument('--rate', type=positive, metavar='HZ', help='resample the angles')
     parser.add_argument('--lowpass', type=positive, metavar='HZ',
                      help='filter the angles first, without lag (Butterworth)')  # fmt: skip
+    parser.add_argument('--differentiate', action='store_true',
+                        help='velocities by differences, whatever was recorded')  # fmt: skip
     parser.add_argument('--no-markers', dest='markers', action='store_false',
                      help='leave the markers out of a bag')  # fmt: skip
     parser.add_argument('--force', action='store_true', help='replace an output that exists')
@@ -60,8 +62,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
-    from .. import process as work
     from ..frames import Bones
+    from ..inputs import recordings
+    from ..inputs import tasks as tasks_of
     from ..workers import run_all
 
     if args.rhythm is not None and args.thorax is None:
@@ -70,8 +73,19 @@ def run(args: argparse.Namespace) -> None:
         raise ValueError('--humerus NAME goes with --scapula NAME or --thorax NAME')
     if '' in (args.humerus, args.scapula, args.thorax):
         raise ValueError('--humerus, --scapula, --thorax: a name expected')
+    if args.humerus is None and args.frame_axes is not None:
+        raise ValueError('--frame-axes: for poses alone (--humerus)')
+    for option, given in (
+        ('--joints', args.joints),
+        ('--signs', args.signs),
+        ('--offsets', args.offsets),
+        ('--topic', args.topic),
+        ('--degrees', args.degrees or None),
+    ):
+        if args.humerus is not None and given is not None:
+            raise ValueError(f'{option}: for joint angles alone, not for poses (--humerus)')
     bones = args.humerus and Bones(
-        args.humerus, args.scapula, args.thorax, args.frame_axes, args.rhythm or 2.0
+        args.humerus, args.scapula, args.thorax, args.frame_axes or 'model', args.rhythm or 2.0
     )
     if args.thorax is not None:
         print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
@@ -83,31 +97,37 @@ def run(args: argparse.Namespace) -> None:
         'side': args.side,
         'convention': args.convention,
         'joints': tuple(args.joints or ()),
-        'signs': tuple(args.signs),
-        'offsets': tuple(args.offsets),
+        'signs': tuple(args.signs or (1.0, 1.0, 1.0)),
+        'offsets': tuple(args.offsets or (0.0, 0.0, 0.0)),
         'degrees': True if args.degrees else None,
         'topic': args.topic,
         'frame_id': args.frame_id,
         'rate': args.rate,
         'lowpass': args.lowpass,
+        'differentiate': args.differentiate,
         'markers': args.markers,
         'force': args.force,
     }
-    inputs = [found for each in args.inputs for found in work.matching(each)]
-    tasks = work.tasks(inputs, Path(args.out), **options)
-    if len(tasks) > 1 or tasks[0].target.parent == Path(args.out):
+    sources, faults = recordings(args.inputs)
+    alone = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]
+    tasks, clashes = tasks_of(sources, Path(args.out), alone, **options)
+    faults += clashes
+    for fault in faults:
+        print(f'linkedplane: {fault}', file=sys.stderr)
+    if tasks and not (alone and tasks[0].target == Path(args.out)):
         try:
             Path(args.out).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ValueError(f'{args.out}: no folder to write into: {error.strerror}') from None
     failed = 0
-    with bar() as shown, ended_like_interrupted():
-        for report in run_all(tasks, args.jobs, args.dask, shown):
+    with ended_like_interrupted(), Bar() as bar:
+        for report in run_all(tasks, args.jobs, args.dask, bar.show):
             failed += bool(report.fault)
-            tell(report)
+            with bar.aside():
+                tell(report)
     if len(tasks) > 1:
         print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {args.out}')
-    if failed:
+    if failed or faults:
         raise SystemExit(1)
 
 
@@ -143,28 +163,53 @@ def ended_like_interrupted() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-@contextmanager
-def bar() -> Iterator[Callable[[int, float], None]]:
-    """Show what is done while in the block, if a person looks on; give what is told of it."""
-    try:
-        from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            Progress,
-            TaskProgressColumn,
-            TextColumn,
-            TimeRemainingColumn,
-        )
-    except ImportError:
-        yield lambda frames, share: None
-        return
-    columns = (
-        BarColumn(),
-        TaskProgressColumn(),
-        TextColumn('{task.fields[frames]:,} frames'),
-        TimeRemainingColumn(elapsed_when_finished=True),
-    )
-    with Progress(*columns, transient=True, disable=not sys.stderr.isatty(),
-                  console=Console(stderr=True)) as progress:  # fmt: skip
-        number = progress.add_task('', total=1.0, frames=0)
-        yield lambda frames, share: progress.update(number, completed=share, frames=frames)
+class Bar:
+    """A bar of what is done, while in the block, if a person looks on."""
+
+    def __enter__(self) -> Bar:
+        """Begin to show it."""
+        self._shown: Any = None
+        with suppress(ImportError):
+            from rich.console import Console
+            from rich.progress import (
+                BarColumn,
+                Progress,
+                TaskProgressColumn,
+                TextColumn,
+                TimeRemainingColumn,
+            )
+
+            self._shown = Progress(
+                BarColumn(),
+                TaskProgressColumn(),
+                TextColumn('{task.fields[frames]:,} frames'),
+                TimeRemainingColumn(elapsed_when_finished=True),
+                transient=True,
+                disable=not sys.stderr.isatty(),
+                console=Console(stderr=True),
+                redirect_stdout=False,
+                redirect_stderr=False,
+            )
+            self._shown.add_task('', total=1.0, frames=0)
+            self._shown.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Take it away."""
+        if self._shown is not None:
+            self._shown.stop()
+
+    def show(self, frames: int, share: float) -> None:
+        """Show so many frames and the share of the whole."""
+        if self._shown is not None:
+            self._shown.update(0, completed=share, frames=frames)
+
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Take it away while something is printed."""
+        if self._shown is not None:
+            self._shown.stop()
+        yield
+        sys.stdout.flush()
+        if self._shown is not None:
+            self._shown.start()
