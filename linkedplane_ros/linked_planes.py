@@ -18,13 +18,14 @@ from .band import (
     wrap_state,
 )
 from .compiled import compiled
-from .vectors import Vector, blend, cross, dot, minus, mix, norm, times, turned
+from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, times, turned
 
 # A muscle, as the kernels read it, is one flat sequence of vectors in m and rad: the reference
-# normal N, SC and HM; then four for each band: its origin P, its insertion S (humerus frame), its
-# sphere's centre (moving frame), and (sphere's radius, cos(phi), sin(phi)).
+# normal N, SC and HM; then five for each band: its origin P, its insertion S (humerus frame), its
+# sphere's centre, (sphere's radius, cos(phi), sin(phi)) and (what the sphere moves with, 0, 0).
 NORMAL, GROUND_POINT, HUMERAL_POINT, FIRST_BAND = range(4)
-BAND_VECTORS = 4
+BAND_VECTORS = 5
+MOVING, GROUND, HUMERUS = range(3)  # its band's moving frame, the ground, the humerus
 Muscle = list[float]
 
 
@@ -44,6 +45,12 @@ def band_vectors(muscle: Muscle, i: int) -> tuple[Vector, Vector, Vector, Vector
         (muscle[k + 6], muscle[k + 7], muscle[k + 8]),
         (muscle[k + 9], muscle[k + 10], muscle[k + 11]),
     )
+
+
+@compiled
+def sphere_frame(muscle: Muscle, i: int) -> int:
+    """Return what a band's sphere moves with: MOVING, GROUND or HUMERUS."""
+    return int(muscle[3 * (FIRST_BAND + BAND_VECTORS * i + 4)])
 
 
 @compiled
@@ -79,7 +86,8 @@ class Band(NamedTuple):
     p: Vector  # from P to the sphere's centre
     A: Vector  # plane normal, unnormalised: A cos(theta) + B sin(theta)
     B: Vector
-    x: Vector  # axes of the sphere's moving frame, for its motion
+    frame: int  # what the sphere moves with: MOVING, GROUND or HUMERUS
+    x: Vector  # axes of a moving frame, for the sphere's motion
     y: Vector
     z: Vector
     lever: float  # |HM - P|
@@ -88,16 +96,35 @@ class Band(NamedTuple):
 
 
 @compiled
+def moving_frame(P: Vector, HM: Vector, SC: Vector) -> tuple[Vector, Vector, Vector, float, float]:
+    """Return the axes x, y, z of a band's moving frame, |HM - P| and the skew (thesis ch. 5).
+
+    x points from P to HM, z stands across the plane with SC. |HM - P| is given as 0 where P, HM and
+    SC lie in one line, so that there is no such frame.
+    """
+    x = minus(HM, P)
+    lever = norm(x)
+    x = times(1.0 / max(lever, 1e-9), x)
+    q = minus(SC, P)
+    z = cross(x, q)
+    across = norm(z)
+    if lever < 1e-9 or across < 1e-9:
+        return x, x, x, 0.0, 0.0
+    z = times(1.0 / across, z)
+    return x, cross(z, x), z, lever, dot(q, x) / across
+
+
+@compiled
 def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Band]:
     """Pose the muscle: its bands and the chain of their planes, for a humerus -> scapula rotation.
 
     A band without a line (it ends where it begins), a plane (the normal before it runs along its
-    line) or a frame of its sphere (P, HM and SC in one line) ends the list before its time.
+    line) or a moving frame of its sphere (P, HM and SC in one line) ends the list before its time.
     """
     SC = vector(muscle, GROUND_POINT)
     HM = turned(rotation, vector(muscle, HUMERAL_POINT))
     A = vector(muscle, NORMAL)
-    B = (0.0, 0.0, 0.0)
+    B = ZERO
     bands = []
     for i in range(band_count(muscle)):
         P, S, centre, (R, cos_phi, sin_phi) = band_vectors(muscle, i)
@@ -107,21 +134,18 @@ def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Ba
         if D < 1e-9:
             break
         u = times(1.0 / D, line)
-        # the sphere's moving frame (thesis ch. 5): x from P to HM, z across the plane with SC
-        x = minus(HM, P)
-        lever = norm(x)
-        if lever < 1e-9:
-            break
-        x = times(1.0 / lever, x)
-        q = minus(SC, P)
-        z = cross(x, q)
-        across = norm(z)
-        if across < 1e-9:
-            break
-        z = times(1.0 / across, z)
-        y = cross(z, x)
-        cx, cy, cz = centre
-        p = blend(cx, x, cy, y, cz, z)
+        frame, lever, skew = sphere_frame(muscle, i), 0.0, 0.0
+        x, y, z = ZERO, ZERO, ZERO
+        if frame == MOVING:
+            x, y, z, lever, skew = moving_frame(P, HM, SC)
+            if lever == 0.0:
+                break
+            cx, cy, cz = centre
+            p = blend(cx, x, cy, y, cz, z)
+        elif frame == HUMERUS:
+            p = minus(turned(rotation, centre), P)
+        else:
+            p = minus(centre, P)
         a = dot(p, u)
         # distances from the line by the cross product: no cancellation
         pu = cross(p, u)
@@ -147,7 +171,7 @@ def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Ba
             D, a, tP, tS, R, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
             AA, dot(A, B), BB, dot(cross(A, B), u), kind,
         )  # fmt: skip
-        bands.append(Band(S, u, p, A, B, x, y, z, lever, dot(q, x) / across, section))
+        bands.append(Band(S, u, p, A, B, frame, x, y, z, lever, skew, section))
     return bands
 
 

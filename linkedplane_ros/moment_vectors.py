@@ -9,10 +9,18 @@ from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
 from .compiled import compiled
-from .linked_planes import HUMERAL_POINT, NORMAL, Band, Muscle, plane_at, state_at, vector
-from .vectors import Vector, blend, cross, dot, minus, mix, norm, plus, times, turned
-
-ZERO = (0.0, 0.0, 0.0)
+from .linked_planes import (
+    GROUND,
+    HUMERAL_POINT,
+    HUMERUS,
+    NORMAL,
+    Band,
+    Muscle,
+    plane_at,
+    state_at,
+    vector,
+)
+from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, plus, times, turned
 
 
 @compiled
@@ -23,7 +31,14 @@ def tilt(band: Band, x: Vector) -> Vector:
 
 @compiled
 def sphere_moves(band: Band, HM: Vector, f: Vector) -> Vector:
-    """Return d(f.C)/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5)."""
+    """Return d(f.C)/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5).
+
+    A sphere on the humerus turns with it, one on the ground stands still.
+    """
+    if band.frame == GROUND:
+        return ZERO
+    if band.frame == HUMERUS:
+        return cross(plus(minus(band.S, times(band.section.D, band.u)), band.p), f)
     moment = cross(band.p, f)
     mx, my, mz = dot(moment, band.x), dot(moment, band.y), dot(moment, band.z)
     k = 1.0 / band.lever

@@ -33,6 +33,7 @@ from .kernels import (
     draw,
     solve_poses,
 )
+from .linked_planes import GROUND, HUMERUS, MOVING
 from .model import BroadMuscle
 
 Floats = npt.NDArray[np.float64]
@@ -43,13 +44,15 @@ TURN_MIRROR = -MIRROR  # rotations and moments keep x and change y and z
 PARALLEL_FROM = 512  # poses: below this, threads cost more than they give
 BLOCK = 1000  # poses that are lists at a time, uncompiled
 
+CODES = {'moving': MOVING, 'ground': GROUND, 'humerus': HUMERUS}
 FAULTS = {
     NOT_FINITE: 'a value is not finite; finite numbers expected',
     NOT_ORTHONORMAL: f'R^T R is not the identity within {ORTHONORMAL:g}; a rotation expected',
     REFLECTION: 'its determinant is -1, a reflection; a proper rotation expected',
-    NO_PLANE: 'band {} has no plane or no sphere frame at this pose: it ends where it begins, the '
-    'normal before it runs along its line, or HM lies in line with its origin and SC',
+    NO_PLANE: 'band {} has no plane at this pose: it ends where it begins, or the normal before it '
+    'runs along its line',
 }
+NO_FRAME = ', or its sphere has no frame: HM lies in line with its origin and SC'
 
 
 class WrapState(IntEnum):
@@ -221,7 +224,7 @@ class LinkedPlaneSolver:
             lengthening,
         )
         if fault != SOLVED:
-            raise ValueError(FAULTS[fault].format(self.muscle.band_names[band]))
+            raise ValueError(self._reason(fault, band))
         state = MuscleState(
             theta.item(), lengths[0], moments.reshape(n, 3), wrap[0], rotation[0], self
         )
@@ -247,11 +250,16 @@ class LinkedPlaneSolver:
         wrap = np.empty((m, n), dtype=np.uint8)
         k, fault, band = self._run(rotations, theta, lengths, moments.reshape(m, 3 * n), wrap)
         if fault != SOLVED:
-            reason = FAULTS[fault].format(self.muscle.band_names[band])
-            raise ValueError(f'{name.format(k)}: {reason}')
+            raise ValueError(f'{name.format(k)}: {self._reason(fault, band)}')
         if self.side == 'left':
             moments *= TURN_MIRROR
         return theta, lengths, moments, wrap
+
+    def _reason(self, fault: int, band: int) -> str:
+        """Return why a pose has no answer; `band` is the one that has no plane."""
+        reason = FAULTS[fault].format(self.muscle.band_names[band])
+        moving = self.muscle.sphere_frames[band] == 'moving'
+        return reason + NO_FRAME if fault == NO_PLANE and moving else reason
 
     def _run(self, rotations: Floats, *filled: npt.NDArray[Any]) -> tuple[int, int, int]:
         """Run the kernel: in threads if that pays; on lists, which are quicker, if uncompiled."""
@@ -304,13 +312,19 @@ def available_cores() -> int:
 def flat(muscle: BroadMuscle) -> Any:
     """Return the muscle as the kernels read it: an array compiled, a list, quicker, if not."""
     phi = muscle.plane_angles
+    frames = np.zeros((len(phi), 3))
+    frames[:, 0] = [CODES[frame] for frame in muscle.sphere_frames]
     bands = (
         muscle.origins,
         muscle.insertions,
         muscle.sphere_centres,
         np.column_stack((muscle.sphere_radii, np.cos(phi), np.sin(phi))),
+        frames,
     )
-    points = (muscle.reference_normal, muscle.ground_point, muscle.humeral_point)
+    points = [
+        np.zeros(3) if point is None else point
+        for point in (muscle.reference_normal, muscle.ground_point, muscle.humeral_point)
+    ]
     vectors = np.concatenate((points, np.stack(bands, axis=1).reshape(-1, 3)))
     return vectors.ravel() if COMPILED else vectors.ravel().tolist()
 

@@ -6,6 +6,8 @@ from .compiled import compiled
 
 Vector = tuple[float, float, float]
 
+ZERO = (0.0, 0.0, 0.0)
+
 
 @compiled
 def plus(a: Vector, b: Vector) -> Vector:

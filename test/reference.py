@@ -81,14 +81,19 @@ def band(
 
 
 def sphere_centres(muscle: BroadMuscle, rotation: Array) -> Array:
-    """Return the (..., n, 3) sphere centres, ground frame, by the band frames of section 5."""
+    """Return the (..., n, 3) sphere centres, ground frame; moving frames are those of section 5."""
+    P, centres = muscle.origins, muscle.sphere_centres
+    frames = np.array(muscle.sphere_frames)[:, np.newaxis]
+    on_humerus = np.einsum('...ij,nj->...ni', rotation, centres)
+    standing = np.where(frames == 'humerus', on_humerus, centres)
+    if muscle.humeral_point is None:
+        return standing
     HM = (rotation @ muscle.humeral_point)[..., np.newaxis, :]
-    P = muscle.origins
     x = unit(HM - P)
     z = unit(np.cross(x, muscle.ground_point - P))
     y = np.cross(z, x)
-    cx, cy, cz = muscle.sphere_centres.T
-    return P + along(cx, x) + along(cy, y) + along(cz, z)
+    cx, cy, cz = centres.T
+    return np.where(frames == 'moving', P + along(cx, x) + along(cy, y) + along(cz, z), standing)
 
 
 def chain(muscle: BroadMuscle, rotation: Array, theta: npt.ArrayLike) -> list[BandPath]:
@@ -238,13 +243,14 @@ def mirrored(muscle: BroadMuscle) -> BroadMuscle:
     change their sense. Of a sphere's moving frame x and y mirror, z = x cross (SC - P) is axial.
     """
     point, axial = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
+    moving = np.array(muscle.sphere_frames)[:, np.newaxis] == 'moving'
     return replace(
         muscle,
         origins=muscle.origins * point,
         insertions=muscle.insertions * point,
-        sphere_centres=muscle.sphere_centres * [1.0, 1.0, -1.0],
-        ground_point=muscle.ground_point * point,
-        humeral_point=muscle.humeral_point * point,
+        sphere_centres=muscle.sphere_centres * np.where(moving, [1.0, 1.0, -1.0], point),
+        ground_point=muscle.ground_point * point if moving.any() else None,
+        humeral_point=muscle.humeral_point * point if moving.any() else None,
         plane_angles=-muscle.plane_angles,
         reference_normal=muscle.reference_normal * axial,
     )

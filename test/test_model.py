@@ -167,9 +167,9 @@ def test_a_file_may_name_any_number_of_bands(count: int, content: Content, write
 
 REQUIRED = (
     'format', 'version', 'name', 'source', 'units', 'units.length', 'units.angle', 'bands',
-    'bands.s', 'bands.s.first', 'bands.s.last', 'bands.names', 'heads', 'heads.middle.bands',
+    'bands.s.first', 'bands.s.last', 'bands.names', 'heads.middle.bands',
     'heads.middle.represented_by', 'origin', 'origin.x', 'insertion', 'insertion.z', 'sphere',
-    'sphere.centre', 'sphere.centre.y', 'sphere.radius', 'sphere.ground_point',
+    'sphere.frame', 'sphere.centre', 'sphere.centre.y', 'sphere.radius', 'sphere.ground_point',
     'sphere.humeral_point', 'plane_angle', 'reference_normal',
     'interference_spheres.sphere_4.centre', 'interference_spheres.sphere_4.radius',
 )  # fmt: skip
@@ -214,8 +214,31 @@ WRONG: list[tuple[str, Any, str]] = [
     ('heads.middle', [1], 'mapping'),
     ('origin', [1.0, 2.0, 3.0], 'mapping'),
     ('origin.x', [], 'a list of numbers expected'),
-    ('origin.x', 3.0, 'a list of numbers expected'),
+    ('origin.x', 'long', 'a number, a list of numbers'),
+    ('origin.x', None, 'a number, a list of numbers'),
+    ('origin.x', True, 'a number expected'),
     ('origin.x', [[1.0]], 'a number expected'),
+    ('origin.x', {'list': [1.0, 2.0]}, 'a list of 9 numbers expected, a list of 2 given'),
+    ('origin.x', {'lists': [1.0, 2.0]}, 'missing'),
+    ('origin.x', {'list': [1.0] * 9, 'of': 'x'}, 'unknown key'),
+    ('origin', {'list': [[1.0, 2.0, 3.0]]}, '9 points, one for each band, expected, a list of 1'),
+    ('origin', {'list': 3.0}, '9 points, one for each band, expected, 3.0 given'),
+    ('origin', {'list': [[1.0, 2.0]] * 9}, '3 numbers expected, a list of 2 given'),
+    ('origin', {'list': [[1.0, 2.0, 3.0]] * 9, 'x': 1.0}, 'unknown key'),
+    ('sphere.frame', 'sky', 'one of moving, ground, humerus expected'),
+    ('sphere.frame', None, 'one of moving, ground, humerus expected'),
+    ('sphere.frame', ['ground'], '9 frames, one for each band, expected, 1 given'),
+    ('sphere.frame', ['ground'] * 8 + ['sky'], "'sky' given, one of moving, ground, humerus"),
+    ('bands.s', [0.1, 0.2], 'a list of 9 numbers expected, a list of 2 given'),
+    ('bands.s', ..., 'missing; origin.x is a polynomial in s'),
+    ('bands.s', 3.0, 'mapping'),
+    ('licence', '', 'text expected'),
+    ('landmarks', [1.0], 'mapping'),
+    ('landmarks', {'acromion': {'bone': 'scapula'}}, 'missing'),
+    ('landmarks', {'acromion': {'bone': 'wing', 'at': [1, 2, 3]}}, 'one of scapula, humerus'),
+    ('landmarks', {'acromion': {'bone': 'scapula', 'at': [1, 2]}}, '3 numbers expected'),
+    ('landmarks', {'joint_centre': {'bone': 'scapula', 'at': [1, 2, 3]}}, 'is the origin of both'),
+    ('range_of_motion.flexion', [1.0, 0.5], 'the lowest, then the highest'),
     ('sphere.radius', [float('nan')], 'finite'),
     ('sphere.radius', [float('inf')], 'finite'),
     ('sphere.radius', ['1e-3'], 'write 1.0e-3'),
@@ -242,6 +265,15 @@ def test_a_wrong_value_is_named_with_its_file_key_and_reason(
     message = refusal(path)
     assert message.startswith(f'{path}: {key}')
     assert reason in message
+
+
+@pytest.mark.parametrize('frame', ['ground', 'humerus', ['ground'] * 9])
+def test_points_of_a_moving_frame_are_refused_where_there_is_none(
+    frame: Any, content: Content, write: Write
+) -> None:
+    path = write(spoilt(content, 'sphere.frame', frame))
+    told = f'is for moving frames; the frame here is {frame}'
+    assert refusal(path) == f'{path}: sphere.ground_point: {told}'
 
 
 def test_a_number_that_is_not_finite_is_named_by_its_place(content: Content, write: Write) -> None:
