@@ -242,7 +242,7 @@ WRONG: list[tuple[str, Any, str]] = [
     ('sphere.radius', [float('nan')], 'finite'),
     ('sphere.radius', [float('inf')], 'finite'),
     ('sphere.radius', ['1e-3'], 'write 1.0e-3'),
-    ('sphere.radius', [10**400], 'expected'),
+    ('sphere.radius', [10**400], 'a finite number expected'),
     ('sphere.radius', [-1.0], 'a radius > 0 expected'),
     ('sphere.radius', [1.0, -0.5], 'a radius > 0 expected'),
     ('sphere.radius', [0.0], 'a radius > 0 expected'),
