@@ -222,6 +222,18 @@ class BroadMuscle:
         """(n) what each band's sphere moves with."""
         return frames_of(self.sphere_frame, len(self.band_names))
 
+    def sharers(self) -> dict[int, list[int]]:
+        """Return the bands of each sphere, by number, under the first of them.
+
+        Bands share a sphere if it is on a bone and they have the same numbers.
+        """
+        shared: dict[Any, list[int]] = {}
+        radii, centres = self.sphere_radii.tolist(), self.sphere_centres.tolist()
+        for i, frame in enumerate(self.sphere_frames):
+            own = i if frame == 'moving' else None
+            shared.setdefault((own, frame, radii[i], *centres[i]), []).append(i)
+        return {bands[0]: bands for bands in shared.values()}
+
     def head_of(self, band: str) -> str:
         """Return the name of the head that a band belongs to."""
         return next(head.name for head in self.heads if band in head.bands)

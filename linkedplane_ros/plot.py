@@ -101,12 +101,7 @@ def figures(processed: Processed) -> dict[str, Figure]:
     Rows are lengths (mm), moment arms about each coordinate (mm) and wrap states; columns heads.
     RecordingError if there is no frame, or no matplotlib.
     """
-    try:
-        import matplotlib
-    except ImportError:
-        raise RecordingError(
-            "a picture needs the matplotlib library: pip install 'linkedplane_ros[tools]'"
-        ) from None
+    matplotlib = library()
     if not len(processed.times):
         raise RecordingError(f'{processed.title}: no frames to plot')
     times, label = processed.times, 'time (s)'
@@ -120,29 +115,43 @@ def figures(processed: Processed) -> dict[str, Figure]:
     return made
 
 
+def library() -> Any:
+    """Return matplotlib; RecordingError if it is not there."""
+    try:
+        import matplotlib
+    except ImportError:
+        raise RecordingError(
+            "a picture needs the matplotlib library: pip install 'linkedplane_ros[tools]'"
+        ) from None
+    return matplotlib
+
+
 def save(processed: Processed, out: Path, kind: str) -> list[Path]:
     """Write each figure to <out>_<its name>.<kind>, 'png' (150 dpi) or 'svg'; return the files.
 
     A file appears when it is complete. RecordingError if it cannot be written.
     """
-    made, files = figures(processed), []
-    import matplotlib
-
-    for name, figure in made.items():
+    files = []
+    for name, figure in figures(processed).items():
         file = out.with_name(f'{out.name}_{name}.{kind}')
-        part = file.with_name(f'.{file.name}.{os.getpid()}.part')
-        try:
-            with matplotlib.rc_context(STYLE):
-                undated = {'Date': None} if kind == 'svg' else None
-                figure.savefig(part, format=kind, dpi=150, metadata=undated)
-            os.replace(part, file)
-        except OSError as error:
-            raise RecordingError(f'{file}: not written: {error.strerror or error}') from None
-        finally:
-            with suppress(OSError):  # where there is nothing to remove
-                part.unlink()
+        with library().rc_context(STYLE):
+            write(figure, file, kind)
         files.append(file)
     return files
+
+
+def write(figure: Figure, file: Path, kind: str) -> None:
+    """Write a figure, 'png' or 'svg'; a file appears when it is complete. Raises RecordingError."""
+    part = file.with_name(f'.{file.name}.{os.getpid()}.part')
+    try:
+        undated = {'Date': None} if kind == 'svg' else None
+        figure.savefig(part, format=kind, dpi=150, metadata=undated)
+        os.replace(part, file)
+    except OSError as error:
+        raise RecordingError(f'{file}: not written: {error.strerror or error}') from None
+    finally:
+        with suppress(OSError):  # where there is nothing to remove
+            part.unlink()
 
 
 def thinned(x: Floats, y: Floats, most: int) -> tuple[Floats, Floats]:

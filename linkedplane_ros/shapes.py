@@ -1,7 +1,8 @@
 """What is drawn of a muscle, and where at each state: the markers, before they are messages.
 
 Namespaces: `bands` (a line strip each, id = band), `attachments` (origins 0, insertions 1),
-`obstacle_spheres` (id = band), `bones` (humeral head 0, shaft 1, the bony rim of the origins 2).
+`obstacle_spheres` (id = the first of the bands that share it), `bones` (humeral head 0, shaft 1,
+the bony rim of the origins 2).
 """
 
 from __future__ import annotations
@@ -97,6 +98,7 @@ class MuscleShapes:
     def __init__(self, muscle: BroadMuscle, points: int) -> None:
         """Draw so many `points` on the arc of a wrapped band."""
         self._points = points
+        self._spheres = muscle.sharers()
         colours = head_colours(muscle)
         # as the humerus is: the shaft beside the centre of its head, where the muscle reaches it
         aside = muscle.insertions.mean(axis=0) * (1.0, 1.0, 0.0)
@@ -113,8 +115,15 @@ class MuscleShapes:
                 for k in range(2)
             ),
             *(
-                Shape('obstacle_spheres', i, SPHERE, (2.0 * radius,) * 3, colours[i], SHEER)
-                for i, radius in enumerate(muscle.sphere_radii.tolist())
+                Shape(
+                    'obstacle_spheres',
+                    i,
+                    SPHERE,
+                    (2.0 * float(muscle.sphere_radii[i]),) * 3,
+                    colours[i],
+                    SHEER,
+                )
+                for i in self._spheres  # each once: all at once they would be opaque
             ),
             *(
                 Shape('bands', i, LINE_STRIP, (BAND_WIDTH, 0.0, 0.0), colour)
@@ -135,7 +144,7 @@ class MuscleShapes:
             Place(points=origins),
             Place(points=origins),
             Place(points=state.insertions),
-            *(Place(centre) for centre in state.sphere_centres),
+            *(Place(state.sphere_centres[i]) for i in self._spheres),
             *(
                 Place(points=path, action=DELETE if wrap == WrapState.INSIDE else ADD)
                 for path, wrap in zip(state.paths(self._points), state.wrap.tolist(), strict=True)

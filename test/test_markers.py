@@ -174,6 +174,22 @@ def test_an_obstacle_sphere_stands_at_its_centre_with_its_diameter(side: LinkedP
             np.testing.assert_allclose(scale, 2.0 * DELTOID.sphere_radii[i], rtol=0.0, atol=EXACT)
 
 
+def test_a_sphere_that_bands_share_is_shown_once() -> None:
+    shared = dataclasses.replace(
+        DELTOID,
+        sphere_frame=('humerus',) * 5 + ('moving',) * 4,
+        sphere_centres=np.tile([0.0, 0.001, 0.002], (9, 1)),
+        sphere_radii=np.full(9, 0.02),
+    )
+    state = LinkedPlaneSolver(shared).solve(POSES[1])
+    markers = sent(MuscleMarkers(shared, 'scapula', 16).at(state, STAMP)).markers
+    spheres = [marker for marker in markers if marker.ns == 'obstacle_spheres']
+    assert [marker.id for marker in spheres] == [0, 5, 6, 7, 8]
+    for marker in spheres:
+        centre = state.sphere_centres[marker.id]
+        np.testing.assert_allclose(place(marker.pose.position), centre, rtol=0.0, atol=EXACT)
+
+
 @pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
 def test_attachments_are_the_origins_and_the_insertions(side: LinkedPlaneSolver) -> None:
     for state, array in pairs(side):
