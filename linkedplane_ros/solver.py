@@ -9,7 +9,7 @@ the rotation of the right shoulder at the same anatomical angles.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
@@ -188,9 +188,7 @@ class LinkedPlaneSolver:
         Raises ValueError for anything but a proper, finite rotation, and where a band's plane is
         undefined at that pose.
         """
-        matrix = numbers('rotation', rotation, '(3, 3)')
-        if matrix.shape != (3, 3):
-            raise ValueError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
+        matrix = one_rotation(rotation)
         theta, lengths, moments, wrap = self._solved(matrix[np.newaxis], 'rotation')
         return MuscleState(float(theta[0]), lengths[0], moments[0], wrap[0], matrix, self)
 
@@ -232,11 +230,7 @@ class LinkedPlaneSolver:
 
     def solve_batch(self, rotations: npt.ArrayLike) -> MuscleStates:
         """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""
-        matrices = numbers('rotations', rotations, '(m, 3, 3)')
-        if matrices.shape == (0,):
-            matrices = np.empty((0, 3, 3))
-        if matrices.ndim != 3 or matrices.shape[1:] != (3, 3):
-            raise ValueError(f'rotations: shape {matrices.shape} given, (m, 3, 3) expected')
+        matrices = rotations_of(rotations)
         return MuscleStates(*self._solved(matrices, 'rotations[{}]'), matrices, self)
 
     def _solved(
@@ -248,7 +242,8 @@ class LinkedPlaneSolver:
         lengths = np.empty((m, n))
         moments = np.empty((m, n, 3))
         wrap = np.empty((m, n), dtype=np.uint8)
-        k, fault, band = self._run(rotations, theta, lengths, moments.reshape(m, 3 * n), wrap)
+        filled = theta, lengths, moments.reshape(m, 3 * n), wrap
+        k, fault, band = in_parts(solve_poses, (self._flat, self._neutral), rotations, filled)
         if fault != SOLVED:
             raise ValueError(f'{name.format(k)}: {self._reason(fault, band)}')
         if self.side == 'left':
@@ -260,33 +255,6 @@ class LinkedPlaneSolver:
         reason = FAULTS[fault].format(self.muscle.band_names[band])
         moving = self.muscle.sphere_frames[band] == 'moving'
         return reason + NO_FRAME if fault == NO_PLANE and moving else reason
-
-    def _run(self, rotations: Floats, *filled: npt.NDArray[Any]) -> tuple[int, int, int]:
-        """Run the kernel: in threads if that pays; on lists, which are quicker, if uncompiled."""
-        m = len(rotations)
-        given = self._flat, self._neutral
-        if not COMPILED:
-            for start in range(0, m, BLOCK):
-                part = slice(start, start + BLOCK)
-                lists = [array[part].tolist() for array in filled]
-                given_rotations = rotations[part].tolist()
-                k, fault, band = solve_poses(*given, given_rotations, 0, len(lists[0]), *lists)
-                if fault != SOLVED:
-                    return start + k, fault, band
-                for array, values in zip(filled, lists, strict=True):
-                    array[part] = values
-            return m, SOLVED, 0
-        threads = available_cores() if m >= PARALLEL_FROM else 1
-        if threads == 1:
-            return solve_poses(*given, rotations, 0, m, *filled)
-        bounds = [m * i // threads for i in range(threads + 1)]
-        with ThreadPoolExecutor(threads) as pool:
-            answers = pool.map(
-                lambda start, stop: solve_poses(*given, rotations, start, stop, *filled),
-                bounds[:-1],
-                bounds[1:],
-            )
-        return next((answer for answer in answers if answer[1] != SOLVED), (m, SOLVED, 0))
 
     def drawn(self, state: MuscleState, points: int) -> tuple[Floats, Floats, Floats]:
         """Return insertions (n, 3), sphere centres (n, 3), arcs (n, points, 3): m, scapula frame.
@@ -300,6 +268,38 @@ class LinkedPlaneSolver:
 
     def _mirrored(self, points: Floats) -> Floats:
         return points * MIRROR if self.side == 'left' else points
+
+
+def in_parts(
+    kernel: Callable[..., tuple[int, int, int]],
+    given: tuple[Any, ...],
+    rotations: Floats,
+    filled: tuple[npt.NDArray[Any], ...],
+) -> tuple[int, int, int]:
+    """Run a kernel: in threads if that pays; on lists, which are quicker, if uncompiled."""
+    m = len(rotations)
+    if not COMPILED:
+        for start in range(0, m, BLOCK):
+            part = slice(start, start + BLOCK)
+            lists = [array[part].tolist() for array in filled]
+            given_rotations = rotations[part].tolist()
+            k, fault, band = kernel(*given, given_rotations, 0, len(lists[0]), *lists)
+            if fault != SOLVED:
+                return start + k, fault, band
+            for array, values in zip(filled, lists, strict=True):
+                array[part] = values
+        return m, SOLVED, 0
+    threads = available_cores() if m >= PARALLEL_FROM else 1
+    if threads == 1:
+        return kernel(*given, rotations, 0, m, *filled)
+    bounds = [m * i // threads for i in range(threads + 1)]
+    with ThreadPoolExecutor(threads) as pool:
+        answers = pool.map(
+            lambda start, stop: kernel(*given, rotations, start, stop, *filled),
+            bounds[:-1],
+            bounds[1:],
+        )
+    return next((answer for answer in answers if answer[1] != SOLVED), (m, SOLVED, 0))
 
 
 def available_cores() -> int:
@@ -327,6 +327,24 @@ def flat(muscle: BroadMuscle) -> Any:
     ]
     vectors = np.concatenate((points, np.stack(bands, axis=1).reshape(-1, 3)))
     return vectors.ravel() if COMPILED else vectors.ravel().tolist()
+
+
+def one_rotation(rotation: npt.ArrayLike) -> Floats:
+    """Return a copy of a (3, 3) matrix; ValueError if it is of another shape or no numbers."""
+    matrix = numbers('rotation', rotation, '(3, 3)')
+    if matrix.shape != (3, 3):
+        raise ValueError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
+    return matrix
+
+
+def rotations_of(rotations: npt.ArrayLike) -> Floats:
+    """Return a copy of m matrices (m, 3, 3); ValueError for other shapes. m may be 0."""
+    matrices = numbers('rotations', rotations, '(m, 3, 3)')
+    if matrices.shape == (0,):
+        matrices = np.empty((0, 3, 3))
+    if matrices.ndim != 3 or matrices.shape[1:] != (3, 3):
+        raise ValueError(f'rotations: shape {matrices.shape} given, (m, 3, 3) expected')
+    return matrices
 
 
 def numbers(name: str, values: npt.ArrayLike, expected: str) -> Floats:
