@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import platform
 import resource
@@ -24,8 +23,8 @@ import recordings
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, solver
 from linkedplane_ros.compiled import COMPILED
+from linkedplane_ros.rivals.cost import best
 
-SECONDS = 2.0  # of measuring, each call
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 POSE = np.array((0.5, 0.4, 0.2))  # rad
 HERE = Path(__file__).parent
@@ -33,27 +32,6 @@ FIRST_ANSWER = (
     'import numpy, linkedplane_ros as l; '
     "l.LinkedPlaneSolver(l.BroadMuscle.load('deltoid')).solve(numpy.eye(3))"
 )
-
-
-def best(calls: Mapping[str, Callable[[], Any]], seconds: float = 0.02) -> dict[str, float]:
-    """Return the s that each call takes, at best: all take turns, so that noise meets all alike."""
-    counts = {}
-    for name, call in calls.items():
-        call()
-        start = time.perf_counter()
-        call()
-        counts[name] = max(1, int(seconds / max(time.perf_counter() - start, 1e-7)))
-    found = dict.fromkeys(calls, math.inf)
-    end = time.perf_counter() + SECONDS * len(calls)
-    rounds = 0
-    while rounds < 2 or time.perf_counter() < end:
-        rounds += 1
-        for name, call in calls.items():
-            start = time.perf_counter()
-            for _ in range(counts[name]):
-                call()
-            found[name] = min(found[name], (time.perf_counter() - start) / counts[name])
-    return found
 
 
 def poses(count: int) -> np.ndarray:

@@ -53,6 +53,18 @@ PURE = (
     'plot',
     'process',
     'processed',
+    'rivals.__init__',
+    'rivals.bands',
+    'rivals.breadth',
+    'rivals.capped_cylinder',
+    'rivals.cost',
+    'rivals.cylinder',
+    'rivals.double_cylinder',
+    'rivals.methods',
+    'rivals.path',
+    'rivals.sphere',
+    'rivals.straight',
+    'rivals.sweeps',
     'sections',
     'serialized',
     'serialized_markers',
@@ -164,6 +176,15 @@ def test_every_executable_has_its_function(script: str) -> None:
 def test_the_installed_package_has_the_executables_of_setup_py() -> None:
     points = importlib.metadata.distribution('linkedplane_ros').entry_points
     assert {point.name: point.value for point in points} == console_scripts()
+
+
+def test_every_folder_of_modules_is_installed() -> None:
+    found = eval(
+        compile(ast.Expression(setup_arguments()['packages']), 'setup.py', 'eval'),
+        {'package_name': 'linkedplane_ros', 'find_packages': partial(find_packages, str(TOP))},
+    )
+    folders = {path.parent.relative_to(TOP) for path in SOURCES.rglob('*.py')}
+    assert {folder.as_posix().replace('/', '.') for folder in folders} == set(found)
 
 
 def test_scripts_go_where_ros2_run_looks() -> None:

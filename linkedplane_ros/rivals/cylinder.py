@@ -1,0 +1,189 @@
+"""The single cylinder (Garner and Pandy 2000): a band right-handed about the axis, on a helix.
+
+A cylinder has no ends here. Across the axis the band is a plane one round a circle; unrolled, it is
+one straight line, so the rise along the axis is shared out by length. Which side the band takes is
+the axis's: it turns right-handed about it on the way from origin to insertion. A line that passes
+on the wrong side, even with the cylinder beyond one of its ends, is hooked round it as long as the
+turn is less than half a circle; from there on Garner and Pandy take the band for straight, and its
+length jumps: MISSED here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, sqrt
+from typing import NamedTuple
+
+from ..band import CLEAR, INSIDE, MISSED, WRAPPED
+from ..compiled import compiled
+from ..linked_planes import vector
+from ..vectors import Vector, cross, dot, minus, mix, norm, plus, times
+from .bands import (
+    Bone,
+    PathModel,
+    check_axis,
+    check_bone,
+    check_point,
+    check_radius,
+    kernel_of,
+    on_humerus,
+    unit,
+)
+from .path import (
+    NO_ARC,
+    REST,
+    ZERO,
+    Arc,
+    Path,
+    Rotation,
+    Row,
+    ends,
+    moment_of,
+    on_arc,
+    placed,
+    straight_path,
+)
+
+AT_SURFACE = 1e-12  # of the radius: an end so little below the surface lies on it
+
+
+class Tube(NamedTuple):
+    """A cylinder at a pose, scapula frame."""
+
+    C: Vector  # on its axis
+    w: Vector  # the axis, unit
+    R: float
+    on_humerus: float  # 1; 0 on the scapula
+
+
+class Way(NamedTuple):
+    """A band's way past a cylinder."""
+
+    state: int  # WRAPPED, CLEAR or MISSED
+    length: float
+    after: float  # the length of the straight part from the cylinder to S
+    t1: Vector  # unit tangents, from P and to S
+    t2: Vector
+    arc: Arc
+    leaves: Vector  # where the arc ends; P if there is none
+    meets: Vector  # where it starts; S if there is none
+
+
+@compiled
+def tube_at(row: Row, place: int, rotation: Rotation) -> Tube:
+    """Return a cylinder: at a place of a band's row, C, w and (radius, on the humerus, 0)."""
+    R, on_humerus, _ = vector(row, place + 2)
+    C = placed(rotation, on_humerus, vector(row, place))
+    w = placed(rotation, on_humerus, vector(row, place + 1))
+    return Tube(C, w, R, on_humerus)
+
+
+@compiled
+def inside(X: Vector, tube: Tube) -> bool:
+    """Return whether a point lies in a cylinder."""
+    x = cross(minus(X, tube.C), tube.w)
+    return dot(x, x) < tube.R * tube.R * (1.0 - AT_SURFACE)
+
+
+@compiled
+def touching(p: Vector, w: Vector, R: float, side: float) -> tuple[Vector, float]:
+    """Return the unit vector to where a tangent from p touches the circle, and its length.
+
+    p is across the axis w. Seen against w the point lies counter-clockwise of p for a side of 1,
+    clockwise for -1. A p within the circle is taken for the point above it on the circle.
+    """
+    pp = dot(p, p)
+    t = sqrt(max(pp - R * R, 0.0))
+    k = 1.0 / max(sqrt(pp * (R * R + t * t)), 1e-300)
+    return mix(k * R, p, side * k * t, cross(w, p)), t
+
+
+@compiled
+def straight_way(P: Vector, S: Vector, state: int) -> Way:
+    """Return the straight way from P to S."""
+    line = minus(S, P)
+    D = norm(line)
+    u = times(1.0 / max(D, 1e-300), line)
+    return Way(state, D, D, u, u, NO_ARC, P, S)
+
+
+@compiled
+def way_round(P: Vector, S: Vector, tube: Tube) -> Way:
+    """Return the way from P to S, both outside, right-handed about the axis."""
+    C, w, R, _ = tube
+    p, s = minus(P, C), minus(S, C)
+    pz, sz = dot(p, w), dot(s, w)
+    p, s = mix(1.0, p, -pz, w), mix(1.0, s, -sz, w)
+    q, tP = touching(p, w, R, 1.0)
+    t, tS = touching(s, w, R, -1.0)
+    sine = dot(cross(q, t), w)
+    if sine <= 0.0:
+        turn = dot(cross(p, s), w)
+        kept = turn > 0.0 or (turn == 0.0 and dot(p, s) > 0.0)
+        return straight_way(P, S, CLEAR if kept else MISSED)
+    turn = atan2(sine, dot(q, t))
+    flat, h = tP + R * turn + tS, sz - pz  # unrolled
+    L = sqrt(flat * flat + h * h)
+    t1 = mix(flat / L, cross(w, q), h / L, w)
+    t2 = mix(flat / L, cross(w, t), h / L, w)
+    Q = plus(C, mix(R, q, pz + h * tP / flat, w))
+    arc = Arc(Q, C, w, turn, h * R * turn / flat)
+    return Way(WRAPPED, L, L * tS / flat, t1, t2, arc, on_arc(arc, 1.0), Q)
+
+
+@compiled
+def cylinder(row: Row, rotation: Rotation) -> Path:
+    """Return the path of a band of P, S and a cylinder."""
+    P, S = ends(row, rotation)
+    tube = tube_at(row, REST, rotation)
+    if inside(P, tube) or inside(S, tube):
+        return straight_path(P, S, INSIDE)
+    way = way_round(P, S, tube)
+    if way.state != WRAPPED:
+        return straight_path(P, S, way.state)
+    moment = moment_of(P, way.t1, tube.on_humerus, ZERO, ZERO, tube.on_humerus, S, way.t2)
+    return Path(way.length, WRAPPED, 1, moment, way.arc, NO_ARC)
+
+
+@dataclass(frozen=True)
+class RoundAnAxis(PathModel):
+    """What the models with a cylinder have in common."""
+
+    centre: Vector
+    """A point of the axis, in the frame of its bone."""
+    axis: Vector
+    """Of any length but 0."""
+    radius: float
+    bone: Bone
+
+    def __post_init__(self) -> None:
+        """Check the fields; ValueError names the one at fault."""
+        super().__post_init__()
+        check_cylinder('', self.centre, self.axis, self.radius, self.bone)
+
+    def _obstacle(self) -> tuple[float, ...]:
+        return cylinder_numbers(self.centre, self.axis, self.radius, self.bone)
+
+
+def check_cylinder(prefix: str, centre: Vector, axis: Vector, radius: float, bone: str) -> None:
+    """Refuse what makes no cylinder; ValueError names the field behind the prefix."""
+    check_point(f'{prefix}centre', centre)
+    check_axis(f'{prefix}axis', axis)
+    check_radius(f'{prefix}radius', radius)
+    check_bone(f'{prefix}bone', bone)
+
+
+def cylinder_numbers(centre: Vector, axis: Vector, radius: float, bone: Bone) -> tuple[float, ...]:
+    """Return a cylinder as `tube_at` reads it."""
+    return (*centre, *unit(axis), radius, on_humerus(bone), 0.0)
+
+
+@dataclass(frozen=True)
+class Cylinder(RoundAnAxis):
+    """A cylinder without ends that is fixed to a bone; the band turns right-handed about its axis.
+
+    WRAPPED; CLEAR: the line keeps off it on the band's side; MISSED: half a turn or more on that
+    side, so straight; INSIDE where an end lies in it.
+    """
+
+    kernel = kernel_of(cylinder)

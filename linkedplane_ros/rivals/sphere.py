@@ -1,0 +1,91 @@
+"""The single sphere (Garner and Pandy 2000; thesis ch. 3): a band in the plane of P, S and C.
+
+The plane of the attachments and the centre cuts the sphere in a great circle, and the band takes
+the short way round it. A sphere has no side of its own, so nothing holds a band on one: when the
+line from P to S passes the centre, the band changes over, and near there it slips quickly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from ..band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
+from ..compiled import compiled
+from ..linked_planes import vector
+from ..vectors import Vector, cross, dot, minus, mix, norm, times
+from .bands import (
+    Bone,
+    PathModel,
+    check_bone,
+    check_point,
+    check_radius,
+    kernel_of,
+    on_humerus,
+)
+from .path import (
+    NO_ARC,
+    REST,
+    ZERO,
+    Arc,
+    Path,
+    Rotation,
+    Row,
+    across,
+    ends,
+    moment_of,
+    placed,
+    straight_path,
+)
+
+
+@compiled
+def round_sphere(P: Vector, S: Vector, C: Vector, R: float, on_humerus: float) -> Path:
+    """Return the short way from P to S round a sphere, in the plane of P, S and C."""
+    line, p = minus(S, P), minus(C, P)
+    D = norm(line)
+    u = times(1.0 / max(D, 1e-300), line)
+    a, pu = dot(p, u), cross(p, u)
+    rho2 = dot(pu, pu)
+    kind = obstacle_kind(D, a, rho2, R)
+    if kind != PIERCED:
+        return straight_path(P, S, INSIDE if kind == INSIDE else CLEAR)
+    rho = sqrt(rho2)
+    # the side of the bulge, away from the centre; any side if the line meets it
+    e = times(1.0 / rho, minus(times(a, u), p)) if rho > 1e-12 * R else across(u)
+    tP = sqrt(max(rho2 + a * a - R * R, 0.0))
+    tS = sqrt(max(rho2 + (D - a) * (D - a) - R * R, 0.0))
+    r, turn, t1u, t1e, t2u, t2e = wrap(D, a, tP, tS, R, 0.0, -rho)
+    t1, t2 = mix(t1u, u, t1e, e), mix(t2u, u, t2e, e)
+    arc = Arc(mix(1.0, P, tP, t1), C, cross(e, u), turn, 0.0)
+    moment = moment_of(P, t1, on_humerus, ZERO, ZERO, on_humerus, S, t2)
+    return Path(tP + r * turn + tS, WRAPPED, 1, moment, arc, NO_ARC)
+
+
+@compiled
+def sphere(row: Row, rotation: Rotation) -> Path:
+    """Return the path of a band of P, S, C and (radius, on the humerus, 0)."""
+    P, S = ends(row, rotation)
+    R, on_humerus, _ = vector(row, REST + 1)
+    return round_sphere(P, S, placed(rotation, on_humerus, vector(row, REST)), R, on_humerus)
+
+
+@dataclass(frozen=True)
+class Sphere(PathModel):
+    """A sphere that is fixed to a bone. WRAPPED, CLEAR, or INSIDE where an end lies in it."""
+
+    centre: Vector
+    """In the frame of its bone."""
+    radius: float
+    bone: Bone
+    kernel = kernel_of(sphere)
+
+    def __post_init__(self) -> None:
+        """Check the fields; ValueError names the one at fault."""
+        super().__post_init__()
+        check_point('centre', self.centre)
+        check_radius('radius', self.radius)
+        check_bone('bone', self.bone)
+
+    def _obstacle(self) -> tuple[float, ...]:
+        return (*self.centre, self.radius, on_humerus(self.bone), 0.0)

@@ -1,0 +1,104 @@
+"""Paths without an obstacle (thesis ch. 3): a straight line, and one through via points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..band import CLEAR, WRAPPED
+from ..compiled import compiled
+from ..linked_planes import vector
+from ..vectors import Vector, cross, minus, norm, times, turned
+from .bands import PathModel, check_point, kernel_of
+from .path import NO_ARC, REST, ZERO, Arc, Path, Rotation, Row, ends, straight_path, write_arc
+
+
+@compiled
+def straight(row: Row, rotation: Rotation) -> Path:
+    """Return the path of a band of P and S alone."""
+    P, S = ends(row, rotation)
+    return straight_path(P, S, CLEAR)
+
+
+@compiled
+def via_point(row: Row, rotation: Rotation, i: int) -> Vector:
+    """Return the i-th via point, scapula frame: those of the scapula come first."""
+    point = vector(row, REST + 1 + i)
+    return point if i < row[3 * REST] else turned(rotation, point)
+
+
+@compiled
+def via_count(row: Row) -> int:
+    """Return how many via points a band has."""
+    return int(row[3 * REST] + row[3 * REST + 1])
+
+
+@compiled
+def via_points(row: Row, rotation: Rotation) -> Path:
+    """Return the path of a band of P, S, (points on the scapula, on the humerus, 0), the points.
+
+    Only the straight part from the last scapular to the first humeral point turns the joint.
+    """
+    P, S = ends(row, rotation)
+    count = via_count(row)
+    length, moment = 0.0, ZERO
+    start = P
+    for i in range(count + 1):
+        end = via_point(row, rotation, i) if i < count else S
+        line = minus(end, start)
+        D = norm(line)
+        length += D
+        if i == row[3 * REST]:
+            moment = times(-1.0 / max(D, 1e-300), cross(end, line))
+        start = end
+    return Path(length, WRAPPED if count else CLEAR, 0, moment, NO_ARC, NO_ARC)
+
+
+@compiled
+def write_points(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None:
+    """Write the via points as arcs without length."""
+    numbers[0] = 0
+    for i in range(via_count(row)):
+        write_arc(Arc(via_point(row, rotation, i), ZERO, ZERO, 0.0, 0.0), numbers, i)
+
+
+@dataclass(frozen=True)
+class Straight(PathModel):
+    """A straight line from origin to insertion. Always CLEAR: there is nothing to wrap."""
+
+    kernel = kernel_of(straight)
+
+    def _obstacle(self) -> tuple[float, ...]:
+        return ()
+
+
+@dataclass(frozen=True)
+class ViaPoints(PathModel):
+    """Straight lines through points that are fixed to the bones, and always active.
+
+    WRAPPED if there are any. (A via point that is switched off at some poses, as thesis ch. 3 has
+    it, is a rule of its own for each muscle, and none is published for the deltoid.)
+    """
+
+    on_scapula: tuple[Vector, ...] = ()
+    """From the origin on; scapula frame."""
+    on_humerus: tuple[Vector, ...] = ()
+    """After those, up to the insertion; humerus frame."""
+    kernel = kernel_of(via_points, write_points)
+    arcs_are_points = True
+
+    def __post_init__(self) -> None:
+        """Check the fields; ValueError names the one at fault."""
+        super().__post_init__()
+        for name in ('on_scapula', 'on_humerus'):
+            for i, point in enumerate(getattr(self, name)):
+                check_point(f'{name}[{i}]', point)
+
+    @property
+    def most_arcs(self) -> int:
+        """Via points."""
+        return len(self.on_scapula) + len(self.on_humerus)
+
+    def _obstacle(self) -> tuple[float, ...]:
+        points = [x for point in (*self.on_scapula, *self.on_humerus) for x in point]
+        return (float(len(self.on_scapula)), float(len(self.on_humerus)), 0.0, *points)
