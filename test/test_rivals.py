@@ -348,6 +348,19 @@ def test_compiled_and_uncompiled_rivals_agree(tmp_path: Path) -> None:
         assert off.max() < 1e-9  # m: what a contact found to 1e-12 of the radius leaves
 
 
+@pytest.mark.skipif(not COMPILED, reason='numba is not installed or LINKEDPLANE_COMPILE is 0')
+def test_the_rivals_make_no_kernel_of_the_solver_compile_anew() -> None:
+    """Kernels are kept under the state of the sources that were loaded before them."""
+    orders = ('linkedplane_ros.solver', 'linkedplane_ros.rivals.sphere')
+    states = set()
+    for first in orders:
+        code = f'import {first}, linkedplane_ros.kernels as k; print(k._sources)'
+        run = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+        states.add(run.stdout)
+    assert len(states) == 1
+
+
 # Against MuJoCo
 
 
