@@ -24,7 +24,8 @@ class Band(NamedTuple):
     D: float
     u: Array
     p: Array
-    frame: tuple[Array, Array, Array]
+    frame: str
+    xyz: Array
     lever: float
     skew: float
     a: float
@@ -37,21 +38,36 @@ class Band(NamedTuple):
     B: Array
 
 
+def humeral_point(muscle: BroadMuscle, rotation: Array) -> Array:
+    """Return HM, ground frame; anything where no sphere moves with it."""
+    return np.zeros(3) if muscle.humeral_point is None else rotation @ muscle.humeral_point
+
+
+def moving_frame(P: Array, HM: Array, SC: Array) -> tuple[Array, float, float]:
+    """Return the axes x, y, z (rows), lever and skew of a moving frame, (2)."""
+    lever = norm(HM - P)
+    x, q = (HM - P) / lever, SC - P
+    across = norm(cross(x, q))
+    z = cross(x, q) / across
+    return np.array([x, cross(z, x), z]), lever, q @ x / across
+
+
 def posed(muscle: BroadMuscle, rotation: Array) -> list[Band]:
     """Return the bands, (1) to (6)."""
-    HM, SC = rotation @ muscle.humeral_point, muscle.ground_point
+    HM = humeral_point(muscle, rotation)
     A = B = np.zeros(3)
     bands = []
     for i, P in enumerate(muscle.origins):
         S = rotation @ muscle.insertions[i]
         D = norm(S - P)  # (1)
         u = (S - P) / D
-        lever = norm(HM - P)  # (2)
-        x, q = (HM - P) / lever, SC - P
-        across = norm(cross(x, q))
-        z = cross(x, q) / across
-        y = cross(z, x)
-        p = np.array([x, y, z]).T @ muscle.sphere_centres[i]  # (3)
+        frame, c = muscle.sphere_frames[i], muscle.sphere_centres[i]
+        xyz, lever, skew = (np.eye(3), 1.0, 0.0)
+        C = rotation @ c if frame == 'humerus' else c
+        if frame == 'moving':
+            xyz, lever, skew = moving_frame(P, HM, muscle.ground_point)
+            C = P + xyz.T @ c  # (3)
+        p = C - P
         R = muscle.sphere_radii[i]
         a, rho2 = p @ u, norm(cross(p, u)) ** 2  # (4)
         outside = min(rho2 + a**2, rho2 + (D - a) ** 2) - R**2
@@ -65,8 +81,7 @@ def posed(muscle: BroadMuscle, rotation: Array) -> list[Band]:
         else:  # (6)
             phi = muscle.plane_angles[i]
             A, B = (np.cos(phi) * (X - (X @ u) * u) + np.sin(phi) * cross(u, X) for X in (A, B))
-        frame, skew = (x, y, z), q @ x / across
-        bands.append(Band(S, D, u, p, frame, lever, skew, a, rho2, tP, tS, R, kind, A, B))
+        bands.append(Band(S, D, u, p, frame, xyz, lever, skew, a, rho2, tP, tS, R, kind, A, B))
     return bands
 
 
@@ -138,7 +153,9 @@ def tilt(band: Band, f: Array) -> Array:
 
 
 def sphere_moves(band: Band, HM: Array, f: Array) -> Array:
-    x, y, z = band.frame
+    if band.frame != 'moving':
+        return cross(band.S - band.D * band.u + band.p, f) * (band.frame == 'humerus')
+    x, y, z = band.xyz
     mx, my, mz = (axis @ cross(band.p, f) for axis in (x, y, z))
     return cross(HM, (mz * y - (my + band.skew * mx) * z) / band.lever)  # (25)
 
@@ -185,7 +202,7 @@ def by_the_page(muscle: BroadMuscle, rotation: Array, theta: float) -> tuple[Arr
     """Return lengths (n,), moment vectors (n, 3) and wrap states (n,), (1) to (34)."""
     bands = posed(muscle, rotation)
     planes = [plane(band, theta) for band in bands]
-    HM = rotation @ muscle.humeral_point
+    HM = humeral_point(muscle, rotation)
     Ett, Etw, follow = 0.0, np.zeros(3), np.zeros(3)
     lengths, slopes, shared, states = [], [], [], []
     edge = None

@@ -9,6 +9,7 @@ import ast
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +69,22 @@ def test_moment_vectors_at_an_edge_are_those_of_the_formulas() -> None:
         np.testing.assert_array_equal(states, state.wrap)
         np.testing.assert_allclose(state.lengths, lengths, rtol=0.0, atol=EXACT)
         np.testing.assert_allclose(state.moment_vectors, vectors, rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize('frame', ['ground', 'humerus'])
+def test_the_formulas_hold_for_spheres_on_the_bones(frame: str) -> None:
+    centres = np.array([band.p for band in posed(DELTOID, np.eye(3))]) + DELTOID.origins
+    on_bones = replace(DELTOID, sphere_frame=frame, sphere_centres=centres)
+    states = LinkedPlaneSolver(on_bones).solve_batch(POSES[:60])
+    wrapped_bands = 0
+    for state in states:
+        lengths, vectors, wrap = by_the_page(on_bones, state.rotation, state.theta)
+        if not np.array_equal(wrap, state.wrap):  # theta held at a sphere's edge
+            continue
+        np.testing.assert_allclose(state.lengths, lengths, rtol=0.0, atol=EXACT)
+        np.testing.assert_allclose(state.moment_vectors, vectors, rtol=0.0, atol=1e-9)
+        wrapped_bands += int((wrap == WrapState.WRAPPED).sum())
+    assert wrapped_bands > 20
 
 
 def test_the_angles_of_appendix_c_give_the_same_arc() -> None:
@@ -140,7 +157,9 @@ def test_a_band_that_stands_out_a_little_is_longer_by_what_the_page_says() -> No
         b = h - r
         tP, tS = (np.sqrt(along**2 + b**2 - r**2) for along in (a, D - a))
         zero = np.zeros(3)
-        band = Band(zero, D, zero, zero, (zero,) * 3, 1.0, 0.0, a, b**2, tP, tS, r, '', zero, zero)
+        band = Band(
+            zero, D, zero, zero, '', (zero,) * 3, 1.0, 0.0, a, b**2, tP, tS, r, '', zero, zero
+        )
         w = wrapped(band, 0.0, b)
         excess = 0.5 * h**2 * (1.0 / tP + 1.0 / tS)  # (36)
         assert w.L - D == pytest.approx(excess, rel=50.0 * h)
