@@ -53,18 +53,6 @@ PURE = (
     'plot',
     'process',
     'processed',
-    'rivals.__init__',
-    'rivals.bands',
-    'rivals.breadth',
-    'rivals.capped_cylinder',
-    'rivals.cost',
-    'rivals.cylinder',
-    'rivals.double_cylinder',
-    'rivals.methods',
-    'rivals.path',
-    'rivals.sphere',
-    'rivals.straight',
-    'rivals.sweeps',
     'sections',
     'serialized',
     'serialized_markers',
@@ -75,6 +63,11 @@ PURE = (
     'tables',
     'vectors',
     'workers',
+    *(
+        f'{folder}.{path.stem}'
+        for folder in ('rivals', 'study')
+        for path in SOURCES.glob(f'{folder}/*.py')
+    ),
 )
 SCRIPTS = ('muscle_state_publisher', 'linkedplane', 'linkedplane_demo')
 ENVIRONMENT = SOURCES / 'ros_environment.py'
@@ -355,7 +348,8 @@ def test_the_workspace_has_all_shared_files(prefix: Path) -> None:
 
 
 @pytest.mark.workspace
-def test_the_workspace_has_the_models(prefix: Path) -> None:
-    (installed,) = prefix.glob('lib/python*/site-packages/linkedplane_ros/models')
-    names = {path.name for path in (SOURCES / 'models').iterdir()}
+@pytest.mark.parametrize('folder', ['literature', 'models'])
+def test_the_workspace_has_the_models_and_the_literature(prefix: Path, folder: str) -> None:
+    (installed,) = prefix.glob(f'lib/python*/site-packages/linkedplane_ros/{folder}')
+    names = {path.name for path in (SOURCES / folder).iterdir()}
     assert {path.name for path in installed.iterdir()} == names

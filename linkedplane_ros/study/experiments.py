@@ -1,0 +1,122 @@
+"""The simulated experiments: lengths and moment arms over three motions (thesis ch. 5).
+
+Axes are those of the right scapula: x lateral, y anterior, z superior. Each motion starts with the
+arm at the side and turns the humerus about one axis that stays where it is in the scapula. Moment
+arms are about that axis, by r = -dL/dq: positive where shortening carries the motion on (a flexor
+in flexion, an abductor in abduction and scaption).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ..conventions import turn
+from ..model import BroadMuscle
+from ..solver import LinkedPlaneSolver, MuscleStates
+
+Floats = npt.NDArray[np.float64]
+
+MILLIMETRES = 1e3  # in a metre
+STEP = math.radians(10.0)  # from pose to pose (thesis ch. 5)
+CUBIC = 3  # the degree of the polynomial through a length curve (thesis ch. 5)
+HALF = 0.5  # simulated moment arms, before the thesis compares them with elderly cadavers (ch. 5)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A turn of the humerus from the arm at the side about an axis of the scapula."""
+
+    name: str
+    axis: tuple[float, float, float]
+    """Unit, scapula frame; the turn about it is right-handed."""
+    last: float
+    """The largest angle, rad."""
+
+    def angles(self, step: float = STEP) -> Floats:
+        """Return the angles (m,), rad, from 0 to the last one."""
+        return np.linspace(0.0, self.last, round(self.last / step) + 1)
+
+    def turned(self, angle: float) -> Motion:
+        """Return the same motion in a plane turned about the vertical (z) by an angle, rad."""
+        x, y, z = (turn(np.array((0.0, 0.0, 1.0)), angle) @ self.axis).tolist()
+        return replace(self, axis=(x, y, z))
+
+
+# Axes and ranges of thesis ch. 5. Scaption is about the axis 30 deg lateral of posterior.
+MOTIONS = (
+    Motion('flexion', (1.0, 0.0, 0.0), math.radians(80.0)),
+    Motion('abduction', (0.0, -1.0, 0.0), math.radians(90.0)),
+    Motion('scaption', (0.5, -math.sqrt(0.75), 0.0), math.radians(60.0)),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A motion and the muscle at each of its m poses; n bands."""
+
+    motion: Motion
+    angles: Floats
+    """(m,) rad"""
+    states: MuscleStates
+    arms: Floats
+    """(m, n) exact moment arms about the motion's axis, m, scaled."""
+    scale: float
+    """What the moment arms were multiplied by; 1, or the thesis's HALF. Lengths never are."""
+
+    @property
+    def lengths(self) -> Floats:
+        """(m, n) band lengths, m."""
+        return self.states.lengths
+
+    @property
+    def cubic_arms(self) -> Floats:
+        """(m, n) moment arms as the thesis has them, m, scaled."""
+        return self.scale * cubic_arms(self.angles, self.lengths)
+
+    def column(self, head: str) -> int:
+        """Return the column of the band that represents a head."""
+        muscle = self.states.solver.muscle
+        (band,) = (each.represented_by for each in muscle.heads if each.name == head)
+        return muscle.band_names.index(band)
+
+
+def simulate(
+    solver: LinkedPlaneSolver, motion: Motion, angles: Floats | None = None, scale: float = 1.0
+) -> Experiment:
+    """Solve a motion at its angles (m,), rad; by default every 10 deg.
+
+    ValueError where a band has no plane at a pose.
+    """
+    angles = motion.angles() if angles is None else angles
+    axis = np.array(motion.axis)
+    rotations = np.array([turn(axis, angle) for angle in angles.tolist()]).reshape(-1, 3, 3)
+    states = solver.solve_batch(rotations)
+    return Experiment(motion, angles, states, scale * (states.moment_vectors @ axis), scale)
+
+
+def simulate_all(
+    muscle: BroadMuscle, motions: Sequence[Motion] = MOTIONS, scale: float = 1.0
+) -> list[Experiment]:
+    """Solve the motions every 10 deg; 26 poses for the three of the thesis, neutral thrice."""
+    solver = LinkedPlaneSolver(muscle)
+    return [simulate(solver, motion, scale=scale) for motion in motions]
+
+
+def cubic_arms(angles: Floats, lengths: Floats) -> Floats:
+    """Return moment arms (m, n), m: of lengths (m, n), m, at angles (m,), rad, m at least 4.
+
+    A cubic through each length curve, by least squares, differentiated: r = -dL/dq (thesis ch. 5,
+    eq. 5.1; the thesis gives no sign, this one is ours and OpenSim's).
+    """
+    if len(angles) <= CUBIC:
+        raise ValueError(f'{len(angles)} poses; more than {CUBIC} expected, for a cubic')
+    arms = np.empty(lengths.shape)
+    for k, column in enumerate(lengths.T):
+        cubic = np.polynomial.Polynomial.fit(angles, column, CUBIC)
+        arms[:, k] = -cubic.deriv()(angles)
+    return arms

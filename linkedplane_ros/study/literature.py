@@ -1,0 +1,106 @@
+"""Figures of others: measured and modelled moment arms of the deltoid, and the thesis's tables.
+
+Sources, licences and limits: linkedplane_ros/literature/README.md. The files are in mm and deg;
+what is returned here is in m and rad.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+HEADS = ('anterior', 'middle', 'posterior')
+METRES = 1e-3  # in a millimetre
+RHYTHM = '+r'  # ends the name of a model whose scapula follows the arm
+OWN = 'LP'  # begins the names of this project's model in the table of models
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A quantity over a motion's angle."""
+
+    angles: Floats
+    """(k,) rad, increasing"""
+    values: Floats
+    """(k,) m; a moment arm is positive where shortening carries the motion on."""
+
+
+Curves = Mapping[tuple[str, str], Curve]
+"""By head and motion."""
+
+
+@dataclass(frozen=True)
+class PrintedPoint:
+    """An attachment as the thesis prints it."""
+
+    s: float
+    point: tuple[float, float, float]
+    """m"""
+    erratum: str
+    """What is wrong with the row; empty if nothing is."""
+
+
+@cache
+def measured() -> Curves:
+    """Return the moment arms that Ackland et al. 2008 measured, in flexion and abduction."""
+    return _curves(rows('ackland2008_deltoid_moment_arms.csv'), 'head', 'moment_arm_mm')
+
+
+@cache
+def published(quantity: str = 'moment_arm_mm') -> Mapping[str, Curves]:
+    """Return moment arms (or 'length_mm') of published models by name; LP ... are this project's.
+
+    The angle is glenohumeral; with RHYTHM in the name it is that of the arm against the thorax.
+    """
+    table = [row for row in rows('published_models_deltoid.csv') if row['quantity'] == quantity]
+    for row in table:
+        row['motion'] = row['motion'].split(' ')[0]
+    names = [n for n in table[0] if n not in ('motion', 'part', 'angle_deg', 'quantity')]
+    return {name: _curves(table, 'part', name) for name in names}
+
+
+def rivals() -> list[str]:
+    """Return the names of the published models that are not this project's."""
+    return [name for name in published() if not name.startswith(OWN)]
+
+
+@cache
+def printed_positions(table: str) -> tuple[PrintedPoint, ...]:
+    """Return the rows of the thesis's Table '6.2.1' (origins) or '6.2.2' (insertions)."""
+    return tuple(
+        PrintedPoint(
+            float(row['s']),
+            (
+                METRES * float(row['x_mm']),
+                METRES * float(row['y_mm']),
+                METRES * float(row['z_mm']),
+            ),
+            row['erratum'],
+        )
+        for row in rows('xu_tables_6_2.csv')
+        if row['table'] == table
+    )
+
+
+def rows(file: str) -> list[dict[str, str]]:
+    """Return the rows of one of the package's tables of literature."""
+    place = resources.files('linkedplane_ros') / 'literature' / file
+    return list(csv.DictReader(place.read_text(encoding='utf-8').splitlines()))
+
+
+def _curves(table: list[dict[str, str]], head: str, value: str) -> Curves:
+    found: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for row in table:
+        key = row[head], row['motion']
+        angle = math.radians(float(row['angle_deg']))
+        found.setdefault(key, []).append((angle, METRES * float(row[value])))
+    return {key: Curve(*np.array(points).T) for key, points in found.items()}
