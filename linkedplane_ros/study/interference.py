@@ -1,0 +1,161 @@
+"""Which band enters which bone sphere, where and by how much (thesis ch. 5 and Table 5.1).
+
+The thesis counts as interference that any portion of a band touches or falls within a sphere. Here
+the whole path is looked at, straight parts and arc, by its exact distance from each centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ..model import BroadMuscle, interference_spheres
+from ..model_file import METRES, yaml_file
+from .experiments import Experiment, simulate_all
+from .planes import routes
+
+Floats = npt.NDArray[np.float64]
+
+PRINTED = 'as printed'
+REVERSED_Z = 'z reversed'
+REVERSED_ZY = 'z reversed, y with it'
+# What of the obstacle spheres' moving frame each reading turns round (erratum 9): a cross product
+# with its factors swapped reverses z; and with z also y, if y = z cross x is then taken at its word
+READINGS = {
+    PRINTED: (1.0, 1.0, 1.0),
+    REVERSED_Z: (1.0, 1.0, -1.0),
+    REVERSED_ZY: (1.0, -1.0, -1.0),
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A band that touches or enters a sphere at a pose."""
+
+    motion: str
+    angle: float
+    """rad"""
+    band: str
+    sphere: str
+    depth: float
+    """By which the path passes under the sphere's surface, m."""
+    point: tuple[float, float, float]
+    """The path's point nearest to the sphere's centre, scapula frame, m."""
+    wrap: int
+    """The band's WrapState."""
+
+
+@dataclass(frozen=True, eq=False)
+class Checks:
+    """All checks of one reading of a muscle: every pose of the motions, band and sphere."""
+
+    experiments: Sequence[Experiment]
+    spheres: tuple[str, ...]
+    """(k)"""
+    depths: Sequence[Floats]
+    """For each motion (m, n, k), m: a sphere's radius less the path's distance from its centre."""
+    points: Sequence[Floats]
+    """For each motion (m, n, k, 3), m: the path's nearest points."""
+
+    @property
+    def count(self) -> int:
+        """How many checks there were."""
+        return sum(each.size for each in self.depths)
+
+    @property
+    def poses(self) -> int:
+        """How many poses there were; the arm at the side counts with every motion."""
+        return sum(len(each) for each in self.depths)
+
+    @property
+    def entries(self) -> list[Entry]:
+        """All entries, by motion, angle, band and sphere."""
+        return list(self._entries())
+
+    @property
+    def poses_entered(self) -> int:
+        """At how many poses there is an entry."""
+        return sum(int((each >= 0.0).any(axis=(1, 2)).sum()) for each in self.depths)
+
+    @property
+    def by_band(self) -> npt.NDArray[np.int64]:
+        """(n,) How many entries each band has."""
+        return np.asarray(sum((each >= 0.0).sum(axis=(0, 2)) for each in self.depths))
+
+    @property
+    def deepest_by_band(self) -> Floats:
+        """(n,) The deepest entry of each band, m; negative: the least clearance."""
+        return np.asarray(np.max([each.max(axis=(0, 2)) for each in self.depths], axis=0))
+
+    def _entries(self) -> Iterator[Entry]:
+        for one, depths, points in zip(self.experiments, self.depths, self.points, strict=True):
+            names = one.states.solver.muscle.band_names
+            for at, band, sphere in np.argwhere(depths >= 0.0).tolist():
+                x, y, z = points[at, band, sphere].tolist()
+                yield Entry(
+                    one.motion.name,
+                    float(one.angles[at]),
+                    names[band],
+                    self.spheres[sphere],
+                    float(depths[at, band, sphere]),
+                    (x, y, z),
+                    int(one.states.wrap[at, band]),
+                )
+
+
+def check(experiments: Sequence[Experiment]) -> Checks:
+    """Check all poses of the experiments for the interference spheres of their muscle."""
+    depths, points = [], []
+    muscle = experiments[0].states.solver.muscle
+    centres, radii = muscle.interference_centres, muscle.interference_radii
+    for one in experiments:
+        shape = (len(one.angles), len(muscle.band_names), len(radii))
+        distance, nearest = np.empty(shape), np.empty((*shape, 3))
+        for at, state in enumerate(one.states):
+            for band, route in enumerate(routes(state)):
+                for sphere, centre in enumerate(centres):
+                    distance[at, band, sphere], nearest[at, band, sphere] = route.nearest(centre)
+        depths.append(radii - distance)
+        points.append(nearest)
+    return Checks(experiments, muscle.interference_names, depths, points)
+
+
+def check_reading(muscle: BroadMuscle, reading: str) -> Checks:
+    """Check a muscle in one of the READINGS of its obstacle spheres' moving frame."""
+    return check(simulate_all(read_as(muscle, reading)))
+
+
+def read_as(muscle: BroadMuscle, reading: str) -> BroadMuscle:
+    """Return a muscle in one of the READINGS of its obstacle spheres' moving frame.
+
+    To turn an axis of the frame round is to change the sign of that coordinate of the centres.
+    """
+    return replace(muscle, sphere_centres=muscle.sphere_centres * READINGS[reading])
+
+
+def with_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
+    """Return a muscle with the further interference spheres of a file.
+
+    The file has `units: {length: mm}` and the key `interference_spheres` of a model file.
+    ModelError names the file and the key of a fault.
+    """
+    file = yaml_file(path)
+    file.allow(('units', 'interference_spheres'))
+    units = file.section('units')
+    units.allow(('length',))
+    names, centres, radii = interference_spheres(file, units.choice('length', METRES))
+    if not names:
+        raise file.fault('interference_spheres', 'at least one sphere expected')
+    for name in names:
+        if name in muscle.interference_names:
+            raise file.section('interference_spheres').fault(name, 'the model has one of this name')
+    return replace(
+        muscle,
+        interference_names=(*muscle.interference_names, *names),
+        interference_centres=np.concatenate((muscle.interference_centres, centres)),
+        interference_radii=np.concatenate((muscle.interference_radii, radii)),
+    )
