@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .bones import BONE, HEAD_RADIUS, SHAFT_END, SHAFT_RADIUS, SHAFT_START, shaft_axis
 from .colours import Colour, head_colours
 from .model import BroadMuscle
 from .solver import MuscleState, WrapState
@@ -27,14 +28,10 @@ ADD, DELETE = 0, 2
 MARKER_RATE = 30.0  # Hz, unless somebody wants another
 POINTS_ON_ARC = 16
 
-BONE = (0.89, 0.85, 0.76)
 BAND_WIDTH = 0.004  # m
 ATTACHMENT = 0.006  # m, diameter
-HEAD_RADIUS = 0.024  # m: the humeral head, for the eye alone
-SHAFT_RADIUS = 0.012  # m
-SHEER = 0.12  # of the obstacle spheres
-SHAFT_START, SHAFT_END = 0.01, 0.22  # m below the glenohumeral centre
 RIM_WIDTH = 0.008  # m
+SHEER = 0.12  # of the obstacle spheres
 UP = np.array((0.0, 0.0, 1.0))
 
 
@@ -100,10 +97,7 @@ class MuscleShapes:
         self._points = points
         self._spheres = muscle.sharers()
         colours = head_colours(muscle)
-        # as the humerus is: the shaft beside the centre of its head, where the muscle reaches it
-        aside = muscle.insertions.mean(axis=0) * (1.0, 1.0, 0.0)
-        aside *= 1.0 - SHAFT_RADIUS / max(float(np.linalg.norm(aside)), SHAFT_RADIUS)
-        self._shaft_centre = aside - (0.0, 0.0, 0.5 * (SHAFT_START + SHAFT_END))
+        self._shaft_centre = shaft_axis(muscle).mean(axis=0)
         width, length = 2.0 * SHAFT_RADIUS, SHAFT_END - SHAFT_START
         ball = (ATTACHMENT,) * 3
         self.shapes = (

@@ -23,9 +23,10 @@ from linkedplane_ros import (
     MuscleState,
     WrapState,
 )
+from linkedplane_ros.bones import BONE
 from linkedplane_ros.colours import head_colours
 from linkedplane_ros.markers import MuscleMarkers
-from linkedplane_ros.shapes import BONE, upright_turned
+from linkedplane_ros.shapes import upright_turned
 
 EXACT = 1e-12  # m: a marker holds the solver's numbers
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
