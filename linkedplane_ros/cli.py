@@ -13,9 +13,16 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from . import __version__
-from .commands import info, play, plot, process, solve
+from .commands import info, play, plot, process, solve, study
 
-COMMANDS = {'info': info, 'solve': solve, 'play': play, 'process': process, 'plot': plot}
+COMMANDS = {
+    'info': info,
+    'solve': solve,
+    'play': play,
+    'process': process,
+    'plot': plot,
+    'study': study,
+}
 
 
 def parser() -> argparse.ArgumentParser:

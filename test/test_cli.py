@@ -248,11 +248,12 @@ def test_help_lists_the_commands_with_what_they_do(capsys: pytest.CaptureFixture
         ('info', 'Print a muscle model.'),
         ('solve', 'Print the muscle at one pose.'),
         ('play', "Play a recording's joint states."),
+        ('study', "Do the thesis's case study again, with a report."),
     ):
         assert any(line.split(None, 1) == [command, does] for line in text.splitlines())
 
 
-@pytest.mark.parametrize('command', ['info', 'solve', 'play'])
+@pytest.mark.parametrize('command', ['info', 'solve', 'play', 'process', 'plot', 'study'])
 def test_each_command_has_its_help(capsys: pytest.CaptureFixture[str], command: str) -> None:
     with pytest.raises(SystemExit) as caught:
         main([command, '--help'])

@@ -1,0 +1,104 @@
+"""What a report is put together from: text, tables, pictures and animations."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Cell = str | int | float | None
+
+UNITS = {'mm': 'mm', 'deg': 'deg', 'us': 'us', 's': 's'}  # what may end the name of a column
+PLACES = 6  # decimals of a number in a file: nm, micro-degrees
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: a CSV file for machines and, if it is shown, Markdown for people."""
+
+    name: str
+    """The file's, without its ending."""
+    title: str
+    columns: tuple[str, ...]
+    """Names for machines; those of quantities end in _ and their unit: length_mm."""
+    rows: Sequence[tuple[Cell, ...]]
+    shown: bool = True
+    """Whether the report shows its rows, and not only where they are."""
+    digits: int = 1
+    """Decimals shown."""
+
+    def csv(self) -> str:
+        """Return the file's text."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator='\n')
+        writer.writerow(self.columns)
+        writer.writerows([_exact(cell) for cell in row] for row in self.rows)
+        return text.getvalue()
+
+    def markdown(self) -> str:
+        """Return the table as the report shows it."""
+        numbers = [
+            all(isinstance(row[k], (int, float, type(None))) for row in self.rows)
+            for k in range(len(self.columns))
+        ]
+        lines = [
+            [heading(name) for name in self.columns],
+            ['---:' if each else '---' for each in numbers],
+            *([self._shown(cell) for cell in row] for row in self.rows),
+        ]
+        return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
+
+    def _shown(self, cell: Cell) -> str:
+        if isinstance(cell, float):
+            text = f'{cell:.{self.digits}f}'
+            return text.lstrip('-') if float(text) == 0.0 else text
+        return '' if cell is None else str(cell).replace('|', '\\|')
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure, made when the report is written."""
+
+    name: str
+    """The file's, without its ending."""
+    caption: str
+    draw: Callable[[], Figure]
+
+
+@dataclass(frozen=True)
+class Animation:
+    """A GIF, made when the report is written."""
+
+    name: str
+    caption: str
+    write: Callable[[Path], None]
+
+
+Part = str | Table | Picture | Animation
+"""A string is a paragraph, or a list, of Markdown."""
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A section of the report."""
+
+    title: str
+    parts: Sequence[Part]
+
+
+def heading(name: str) -> str:
+    """Return a column's name for people: 'length_mm' is 'length (mm)'."""
+    words = name.split('_')
+    if words[-1] in UNITS and len(words) > 1:
+        return f'{" ".join(words[:-1])} ({UNITS[words[-1]]})'
+    return ' '.join(words)
+
+
+def _exact(cell: Cell) -> Cell:
+    return round(cell, PLACES) + 0.0 if isinstance(cell, float) else cell
