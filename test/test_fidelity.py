@@ -232,6 +232,30 @@ def test_planes_turned_back_to_the_body_bring_little(experiments: list[Experimen
         assert 1e3 * mean_of(found) == pytest.approx(mean, abs=SHOWN)
 
 
+@pytest.mark.parametrize('reading', [AS_IS, TWO_THIRDS, BY_THORAX], ids=lambda each: each.name)
+def test_in_flexion_the_posterior_head_is_farther_off_than_that_of_any_published_model(
+    experiments: list[Experiment], reading: Reading
+) -> None:
+    found = [*of_arms(experiments, reading, 'ours'), *of_published(reading)]
+    off = {each.model: each.mean for each in found
+           if (each.head, each.motion) == ('posterior', 'flexion')}  # fmt: skip
+    assert max(off, key=lambda name: off[name]) == 'ours'
+
+
+def test_at_90_deg_of_abduction_the_posterior_head_is_modelled_an_abductor_and_measured_none(
+    experiments: list[Experiment],
+) -> None:
+    one = experiments[1]
+    curve = literature.measured()['posterior', 'abduction']
+    assert 1e3 * one.arms[9, one.column('posterior')] == pytest.approx(26.0, abs=SHOWN)
+    assert 1e3 * np.interp(math.pi / 2, curve.angles, curve.values) == pytest.approx(0.8, abs=SHOWN)
+
+
+def test_bands_of_one_head_differ_by_up_to_38_mm(experiments: list[Experiment]) -> None:
+    spreads = [np.ptp(one.arms.reshape(-1, 3, 3), axis=2).max() for one in experiments]
+    assert 1e3 * max(spreads) == pytest.approx(38.4, abs=SHOWN)
+
+
 # Other muscles
 
 

@@ -44,20 +44,20 @@ def distance_to_polyline(X: np.ndarray, path: np.ndarray) -> float:
 
 
 def test_the_distance_of_a_path_is_that_of_a_very_fine_polyline() -> None:
-    # 2000 points on an arc: its chords pass 2e-10 m under it at most
+    # 1000 points on an arc: its chords pass 1e-9 m under it at most
     random = np.random.default_rng(7)
     on_arc = 0
     for motion in MOTIONS:
         for state in simulate(SOLVER, motion).states:
-            for route, fine in zip(routes(state), state.paths(2000), strict=True):
-                beside = fine[len(fine) // 2] + random.normal(0.0, 0.01, (2, 3))
+            for route, fine in zip(routes(state), state.paths(1000), strict=True):
+                beside = fine[len(fine) // 2] + random.normal(0.0, 0.01, (1, 3))
                 for X in (*DELTOID.interference_centres, *beside):
                     distance, nearest = route.nearest(X)
-                    assert distance == pytest.approx(distance_to_polyline(X, fine), abs=1e-9)
+                    assert distance == pytest.approx(distance_to_polyline(X, fine), abs=2e-9)
                     assert distance == pytest.approx(np.linalg.norm(X - nearest), abs=1e-15)
-                    assert distance_to_polyline(nearest, fine) < 1e-9
+                    assert distance_to_polyline(nearest, fine) < 2e-9
                     on_arc += route.arc is not None and route.arc.nearest(X) is not None
-    assert on_arc > 50  # arcs were met, not only their ends
+    assert on_arc > 20  # arcs were met, not only their ends
 
 
 def test_every_path_lies_in_its_plane() -> None:

@@ -157,6 +157,14 @@ def test_the_errata_are_marked_in_the_tables_of_positions(study: Path) -> None:
         assert [row['s'] for row in rows(study, table) if row['erratum']] == wrong
 
 
+@pytest.mark.parametrize('table', ['fidelity_by_head', 'fidelity_thesis', 'fidelity_models'])
+def test_the_readme_has_the_tables_of_the_report(study: Path, table: str) -> None:
+    _, _, rest = (MODEL.parents[2] / 'README.md').read_text().partition(f'<!-- {table} -->\n')
+    shown = rest.partition(f'\n<!-- /{table} -->')[0]
+    assert len(shown.splitlines()) > 5
+    assert shown in (study / 'report.md').read_text()
+
+
 def test_half_scaled_moment_arms_say_so(tmp_path: Path, study: Path) -> None:
     subject = Subject.load('deltoid', scale=0.5)
     text = '\n'.join(

@@ -49,7 +49,7 @@ MARK: dict[str, Any] = {
     'markersize': 3.0, 'color': 'black', 'markerfacecolor': 'none', 'markeredgewidth': 0.6,
 }  # fmt: skip
 FOOT = 1.0  # inches below the panels: the axis's name and the legend
-EMPTY = '0.93'  # the grey of a cell that nothing enters
+GRID = '0.93'  # the grey of the lines between cells
 DEEP = 21.0  # mm: what is black
 
 
@@ -137,12 +137,12 @@ def depths(readings: Mapping[str, Checks]) -> Figure:
     for axes, (name, checks) in zip(charts, readings.items(), strict=True):
         left, ticks = 0.0, []
         for one, deep in zip(checks.experiments, checks.depths, strict=True):
-            for at, angle in enumerate((DEGREES * one.angles).tolist()):
-                for band in range(len(bands)):
-                    _cell(axes, left + at, band, MILLIMETRES * deep[at, band], checks.spheres)
-                ticks.append((left + at + 0.5, f'{angle:.0f}'))
+            _cells(axes, left, MILLIMETRES * deep, checks.spheres)
+            places = left + 0.5 + np.arange(len(one.angles))
+            angles = (DEGREES * one.angles).tolist()
+            ticks += [(place, f'{angle:.0f}') for place, angle in zip(places, angles, strict=True)]
             axes.text(left, -0.25, f'{one.motion.name} (deg)', va='bottom', size=6.5)
-            left += len(one.angles) + 0.5
+            left += len(angles) + 0.5
         axes.set(
             xlim=(0.0, left - 0.5), ylim=(len(bands), 0.0), yticks=np.arange(len(bands)) + 0.5,
             yticklabels=[f'{k}  {band}' for k, band in enumerate(bands, 1)],
@@ -155,21 +155,23 @@ def depths(readings: Mapping[str, Checks]) -> Figure:
     return figure
 
 
-def _cell(axes: Axes, x: float, band: int, deep: Floats, spheres: Sequence[str]) -> None:
-    """Draw one band at one pose: mm of the deepest entry, and below it the spheres' numbers."""
-    from matplotlib.patches import Rectangle
-
-    entered = [name.rpartition('_')[2] for name, mm in zip(spheres, deep, strict=True) if mm >= 0.0]
-    deepest = float(deep.max()) if len(deep) else -1.0
-    shade = float(np.clip(0.88 - 0.75 * deepest / DEEP, 0.1, 0.88)) if entered else float(EMPTY)
-    colour = str(shade) if entered else 'white'
-    axes.add_patch(Rectangle((x, band), 1.0, 1.0, facecolor=colour, edgecolor=EMPTY, linewidth=0.5))
-    if entered:
-        ink = 'white' if shade < 0.45 else 'black'
-        depth = f'{deepest:.0f}' if deepest >= 0.5 else '<1'
-        axes.text(x + 0.5, band + 0.34, depth, size=6.0, ha='center', va='center', color=ink)
-        axes.text(x + 0.5, band + 0.76, ','.join(entered), size=4.0, ha='center', va='center',
-                  color=ink)  # fmt: skip
+def _cells(axes: Axes, left: float, deep: Floats, spheres: Sequence[str]) -> None:
+    """Draw a motion's cells: of depths (m, n, k), mm, the deepest, and the spheres' numbers."""
+    m, n, _ = deep.shape
+    deepest = deep.max(axis=2)
+    shades = np.where(deepest >= 0.0, np.clip(0.88 - 0.75 * deepest / DEEP, 0.1, 0.88), 1.0)
+    axes.imshow(shades.T, extent=(left, left + m, n, 0.0), cmap='gray', vmin=0.0, vmax=1.0,
+                aspect='auto', interpolation='nearest')  # fmt: skip
+    axes.vlines(left + np.arange(m + 1), 0.0, n, color=GRID, linewidth=0.5)
+    axes.hlines(np.arange(n + 1), left, left + m, color=GRID, linewidth=0.5)
+    numbers = [name.rpartition('_')[2] for name in spheres]
+    for at, band in np.argwhere(deepest >= 0.0).tolist():
+        depth = float(deepest[at, band])
+        entered = [each for each, mm in zip(numbers, deep[at, band], strict=True) if mm >= 0.0]
+        ink, x = 'white' if shades[at, band] < 0.45 else 'black', left + at + 0.5
+        style: dict[str, Any] = {'ha': 'center', 'va': 'center', 'color': ink}
+        axes.text(x, band + 0.34, f'{depth:.0f}' if depth >= 0.5 else '<1', size=6.0, **style)
+        axes.text(x, band + 0.76, ','.join(entered), size=4.0, **style)
 
 
 def _page(heads: Sequence[str], label: str, foot: float = FOOT) -> tuple[Figure, npt.NDArray[Any]]:

@@ -46,7 +46,8 @@ ABOUT = """
 
     A difference is modelled less measured: the exact moment arm of the band that represents the
     head, at every 10 deg but the first as far as both go. A mean is that of sizes, over heads,
-    motions and steps. **Both scales stand in each table by name**, 1 and the thesis's 0.5.
+    motions and steps. **The scale stands in each table by name**: none, or
+    the thesis's half.
 """
 
 
@@ -82,23 +83,26 @@ Ours = dict[tuple[float, Reading], list[Deviation]]
 
 
 def _by_head(ours: Ours) -> Table:
+    """Return mean and worst, unscaled, and the mean of halved moment arms, in two readings."""
     rows: list[tuple[Cell, ...]] = []
-    for scale in (1.0, HALF):
-        pairs = zip(ours[scale, AS_IS], ours[scale, TWO_THIRDS], strict=True)
-        for one, other in pairs:
-            rows.append((f'{scale:g}', one.head, one.motion, *_figures(one), *_figures(other)))
-        means = [MILLIMETRES * mean_of(ours[scale, each]) for each in (AS_IS, TWO_THIRDS)]
-        rows.append((f'{scale:g}', 'all', 'both', means[0], None, None, means[1], None, None))
-    quantities = ('mean_mm', 'worst_mm', 'at_deg')
+    for k, one in enumerate(ours[1.0, AS_IS]):
+        cells: list[Cell] = []
+        for reading in (AS_IS, TWO_THIRDS):
+            whole, half = ours[1.0, reading][k], ours[HALF, reading][k]
+            cells += [MILLIMETRES * x for x in (whole.mean, whole.worst, half.mean)]
+        rows.append((one.head, one.motion, *cells))
+    means = [
+        MILLIMETRES * mean_of(ours[scale, reading])
+        for reading in (AS_IS, TWO_THIRDS)
+        for scale in (1.0, HALF)
+    ]
+    rows.append(('all', 'both', means[0], None, means[1], means[2], None, means[3]))
+    quantities = ('mean_mm', 'worst_mm', 'mean_if_halved_mm')
     columns = [f'{name}_{each}' for name in ('as_is', 'two_thirds') for each in quantities]
     return Table(
         'fidelity_by_head', 'Moment arms of this model, less the measured ones',
-        ('scale', 'head', 'motion', *columns), rows,
+        ('head', 'motion', *columns), rows,
     )  # fmt: skip
-
-
-def _figures(one: Deviation) -> tuple[Cell, ...]:
-    return MILLIMETRES * one.mean, MILLIMETRES * one.worst, round(DEGREES * one.worst_at)
 
 
 def _thesis(scales: dict[float, Subject]) -> Table:
@@ -149,7 +153,7 @@ def _models(ours: Ours) -> Table:
         'Mean deviation of the moment arms of all models from the same measurement. With the '
         "rhythm (+r) the model's own angle is against the thorax: compared as it is, where the "
         'measured one is read so',
-        ('model', 'as_is_mm', 'two_thirds_mm', 'two_thirds_arms_by_3/2_mm'), rows,
+        ('model', 'as_is_mm', 'two_thirds_mm', 'two_thirds_x_1.5_mm'), rows,
     )  # fmt: skip
 
 
@@ -163,9 +167,10 @@ def _every(ours: Ours) -> Table:
         *((each.model, each) for reading in READINGS for each in of_published(reading)),
     ]
     rows: list[tuple[Cell, ...]] = [
-        (name, each.reading.name, each.head, each.motion, len(each.differences), *_figures(each))
+        (name, each.reading.name, each.head, each.motion, len(each.differences),
+         MILLIMETRES * each.mean, MILLIMETRES * each.worst, round(DEGREES * each.worst_at))
         for name, each in found
-    ]
+    ]  # fmt: skip
     return Table(
         'fidelity_all', 'Every model, reading, head and motion',
         ('model', 'reading', 'head', 'motion', 'steps', 'mean_mm', 'worst_mm', 'at_deg'), rows,

@@ -140,6 +140,8 @@ def _number(axes: Axes, muscle: BroadMuscle, places: Floats, things: Floats) -> 
     """Write the bands' numbers at places (n, 2), m in the picture; a line leads to the thing."""
     drawn = zip(places, things, band_colours(muscle), strict=True)
     for k, (place, thing, colour) in enumerate(drawn, 1):
+        if muscle.band_names[k - 1] not in named_bands(muscle):
+            continue
         red, green, blue = (0.75 * np.array(colour)).tolist()
         x, y = (1e3 * place).tolist()
         if np.linalg.norm(place - thing) > 1.25 * ASIDE:
