@@ -80,13 +80,6 @@ def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
         raise RecordingError(f'{path}: a folder; only a bag is replaced, and by a bag alone')
     if bag and path.is_file():
         raise RecordingError(f'{path}: a file; a bag is a folder')
-    with placed(path) as workplace:
-        yield workplace
-
-
-@contextmanager
-def placed(path: Path) -> Iterator[Path]:
-    """Give a path to write to; what stands there at the end takes its place, whatever it is."""
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
     beside = workshop(path, os.getpid())

@@ -251,6 +251,24 @@ def test_at_90_deg_of_abduction_the_posterior_head_is_modelled_an_abductor_and_m
     assert 1e3 * np.interp(math.pi / 2, curve.angles, curve.values) == pytest.approx(0.8, abs=SHOWN)
 
 
+def test_the_middle_head_is_too_steep_in_flexion(experiments: list[Experiment]) -> None:
+    one = experiments[0]
+    curve = literature.measured()['middle', 'flexion']
+    ends = 1e3 * one.arms[[0, 8], one.column('middle')]
+    np.testing.assert_allclose(ends, (-8.5, 24.8), atol=SHOWN)
+    measured = 1e3 * np.interp(np.radians((2.0, 80.0)), curve.angles, curve.values)
+    np.testing.assert_allclose(measured, (0.0, 9.8), atol=SHOWN)
+
+
+def test_lengths_are_farthest_off_for_the_posterior_head_in_flexion(
+    experiments: list[Experiment],
+) -> None:
+    for reading, mean in ((AS_IS, 16.6), (TWO_THIRDS, 13.3)):
+        worst = max(of_lengths(experiments, reading, ''), key=lambda each: each.mean)
+        assert (worst.head, worst.motion) == ('posterior', 'flexion')
+        assert 1e3 * worst.mean == pytest.approx(mean, abs=SHOWN)
+
+
 def test_bands_of_one_head_differ_by_up_to_38_mm(experiments: list[Experiment]) -> None:
     spreads = [np.ptp(one.arms.reshape(-1, 3, 3), axis=2).max() for one in experiments]
     assert 1e3 * max(spreads) == pytest.approx(38.4, abs=SHOWN)

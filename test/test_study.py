@@ -303,16 +303,31 @@ def test_a_study_is_replaced_only_by_force_and_only_if_nothing_else_is_in_it(
     assert [path.name for path in tmp_path.iterdir()] == ['out']
 
 
-def test_a_study_that_fails_leaves_nothing_behind(
+def test_a_study_may_be_written_where_one_stands(
+    quick: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for options in ((), ('--force',)):
+        assert main(['study', '.', *options]) == 0
+        assert Path.cwd() == tmp_path
+        assert {path.name for path in Path().iterdir()} == {'report.md', 'tables', 'figures'}
+
+
+def test_a_study_that_fails_leaves_what_there_was(
     quick: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(subject: Subject) -> object:
         raise RecordingError('no')
 
+    subject = Subject.load('deltoid')
+    report.write(subject, tmp_path / 'old')
+    before = {path: path.read_bytes() for path in tmp_path.rglob('*') if path.is_file()}
     monkeypatch.setattr(charts, 'fidelity', broken)
-    with pytest.raises(RecordingError):
-        report.write(Subject.load('deltoid'), tmp_path / 'out')
-    assert not list(tmp_path.iterdir())
+    for name, force in (('new', False), ('old', True)):
+        with pytest.raises(RecordingError):
+            report.write(subject, tmp_path / name, force)
+    assert before == {path: path.read_bytes() for path in tmp_path.rglob('*') if path.is_file()}
+    assert [path.name for path in tmp_path.iterdir()] == ['old']
 
 
 @pytest.mark.parametrize(
@@ -335,7 +350,7 @@ def test_a_place_that_cannot_be_written_is_told_in_one_line(
 ) -> None:
     (tmp_path / 'file').write_text('mine')
     assert 'a file; a folder expected' in fault(capsys, tmp_path / 'file')
-    assert 'no folder' in fault(capsys, tmp_path / 'gone' / 'out')
+    assert 'No such file or directory' in fault(capsys, tmp_path / 'gone' / 'out')
 
 
 def test_wrong_usage_ends_with_2(capsys: pytest.CaptureFixture[str]) -> None:

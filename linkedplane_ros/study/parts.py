@@ -48,7 +48,7 @@ class Table:
             for k in range(len(self.columns))
         ]
         lines = [
-            [heading(name) for name in self.columns],
+            [self._shown(heading(name)) for name in self.columns],
             ['---:' if each else '---' for each in numbers],
             *([self._shown(cell) for cell in row] for row in self.rows),
         ]

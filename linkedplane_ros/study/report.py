@@ -6,12 +6,14 @@ tables and pictures.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from inspect import cleandoc
 from pathlib import Path
 
 from .. import __version__
-from ..outputs import placed
+from ..outputs import remove
 from ..recordings import RecordingError
 from . import experiments_chapter, fidelity_chapter, interference_chapter, model_chapter
 from .figures import drawing
@@ -34,11 +36,11 @@ DPI = 200  # of the figures
 def write(subject: Subject, folder: Path, force: bool = False, animated: bool = True) -> None:
     """Write a study into a folder that is empty or not there, or, with force, holds a study.
 
-    Nothing stands there before all is done. RecordingError if the folder holds anything else, or
+    Nothing is seen there before all is done. RecordingError if the folder holds anything else, or
     cannot be written.
     """
     refuse(folder, force)
-    with placed(folder) as made:
+    with filled(folder) as made:
         for sub in ('tables', 'figures'):
             (made / sub).mkdir(parents=True)
         pages = [_chapter(make(subject), made, animated) for make in CHAPTERS]
@@ -61,6 +63,31 @@ def refuse(folder: Path, force: bool) -> None:
     for path in folder.rglob('*'):
         if path not in ours and not (path.is_dir() and path.name in ('tables', 'figures')):
             raise RecordingError(f'{path}: is not of the study that stands there; move it away')
+
+
+@contextmanager
+def filled(folder: Path) -> Iterator[Path]:
+    """Give a folder to write into; at the end what is in it replaces what is in `folder`.
+
+    The folder itself stays: it may be a mount, or where somebody stands.
+    """
+    made, workshop = not folder.exists(), folder / f'.study.{os.getpid()}.part'
+    new, old = workshop / 'new', workshop / 'old'
+    try:
+        if made:
+            folder.mkdir()
+        new.mkdir(parents=True)
+        old.mkdir()
+        yield new
+        for source, target in ((folder, old), (new, folder)):
+            for path in [each for each in source.iterdir() if each != workshop]:
+                path.rename(target / path.name)
+    except OSError as error:
+        raise RecordingError(f'{folder}: not written: {error.strerror or error}') from None
+    finally:
+        remove(workshop)
+        if made and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
 
 
 def _head(subject: Subject) -> str:
