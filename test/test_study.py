@@ -6,11 +6,13 @@ import csv
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.image import imread
 
 from linkedplane_ros import BroadMuscle
@@ -438,6 +440,19 @@ def test_labels_are_pushed_apart() -> None:
     between = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(5)
     assert between.min() > 0.0098
     assert np.linalg.norm(places, axis=1).min() > 0.0098
+
+
+@pytest.mark.parametrize('chart', [charts.lengths, charts.moment_arms, charts.fidelity])
+def test_no_word_of_a_chart_runs_off_the_page(chart: Callable[[Subject], Any]) -> None:
+    with figures.drawing():
+        figure = chart(Subject.load('deltoid', scale=0.5))
+        FigureCanvasAgg(figure).draw()
+        page = figure.bbox
+        labels = [axes.yaxis.label for axes in figure.axes if axes.get_ylabel()]
+        for words in (*figure.legends, *labels):
+            box = words.get_window_extent()
+            assert page.x0 <= box.x0 < box.x1 <= page.x1, words
+            assert page.y0 <= box.y0 < box.y1 <= page.y1, words
 
 
 def test_a_chart_of_depths_says_where_and_how_deep() -> None:

@@ -56,8 +56,7 @@ DEEP = 21.0  # mm: what is black
 def lengths(subject: Subject) -> Figure:
     """E.4: lengths of all bands over the angle, a row for each head, a column for each motion."""
     marks = {'o': (lambda one: one.lengths, 'every 10 deg, band that represents the head')}
-    measurement = "Ackland 2008, from the model's own first length"
-    return _over_angle(subject, 'length (mm)', marks, measurement, lengths_of)
+    return _over_angle(subject, 'length (mm)', marks, 'Ackland 2008, integrated', lengths_of)
 
 
 def moment_arms(subject: Subject) -> Figure:
