@@ -93,7 +93,7 @@ def defined(file: Section) -> Definition:
         humeral_point=sphere.point('humeral_point') if 'humeral_point' in sphere else None,
         plane_angle=_curve(file, 'plane_angle', n),
         reference_normal=file.point('reference_normal'),
-        interference_spheres=_interference(file),
+        interference_spheres=interference_spheres(file),
         landmarks=_landmarks(file),
         range_of_motion=_range_of_motion(file),
     )
@@ -189,7 +189,8 @@ def whole(name: str, bands: tuple[str, ...]) -> Head:
     return Head(name, bands, bands[len(bands) // 2])
 
 
-def _interference(file: Section) -> tuple[Sphere, ...]:
+def interference_spheres(file: Section) -> tuple[Sphere, ...]:
+    """Return the interference spheres of a file, in its unit of length."""
     spheres = []
     for name, entry in file.sections('interference_spheres'):
         entry.allow(*KEYS['interference_spheres.*'])

@@ -150,7 +150,7 @@ def test_the_experiments_give_the_models_own_column_of_the_literature() -> None:
 
 @pytest.mark.parametrize('table', ['6.2.1', '6.2.2'])
 def test_the_positions_are_the_printed_ones_but_for_the_errata(table: str) -> None:
-    rows = attachments.positions('deltoid', table)
+    rows = attachments.positions(DELTOID, table)
     assert tuple(row.band for row in rows) == DELTOID.band_names
     for row in rows:
         assert row.printed.s == pytest.approx(row.s, abs=0.000501)  # three decimals are printed
@@ -159,22 +159,22 @@ def test_the_positions_are_the_printed_ones_but_for_the_errata(table: str) -> No
 
 
 def test_erratum_2_is_a_matter_of_two_signs() -> None:
-    (row,) = (each for each in attachments.positions('deltoid', '6.2.1') if each.printed.erratum)
+    (row,) = (each for each in attachments.positions(DELTOID, '6.2.1') if each.printed.erratum)
     x, y, z = row.printed.point
     assert row.point == pytest.approx((x, -y, -z), abs=attachments.AGREES)
 
 
 def test_erratum_3_is_a_column_shifted_by_a_row() -> None:
-    rows = attachments.positions('deltoid', '6.2.2')
+    rows = attachments.positions(DELTOID, '6.2.2')
     for k in (5, 6):
         assert rows[k].printed.point[2] == pytest.approx(rows[k + 1].point[2], abs=1e-8)
         assert rows[k].printed.point[:2] == pytest.approx(rows[k].point[:2], abs=1e-8)
 
 
 def test_the_whole_span_holds_the_bands_and_reaches_beyond_them() -> None:
-    span = attachments.of_whole_span('deltoid', DELTOID)
+    span = attachments.of_whole_span(DELTOID)
     assert (span.s[0], span.s[-1]) == (0.0, 1.0)
-    ours = attachments.of_bands('deltoid')
+    ours = attachments.of_bands(DELTOID)
     np.testing.assert_array_equal(ours.origins, DELTOID.origins)
     np.testing.assert_array_equal(ours.insertions, DELTOID.insertions)
 
@@ -185,7 +185,7 @@ def test_the_span_of_any_other_muscle_is_that_of_its_bands(tmp_path: Path) -> No
     muscle = BroadMuscle.load(path)
     assert not attachments.is_published(muscle)
     assert attachments.is_published(DELTOID)
-    span = attachments.of_whole_span(path, muscle)
+    span = attachments.of_whole_span(muscle)
     assert (span.s[0], span.s[-1]) == (0.12, 0.85)
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from ..definition import METRES, Listed
 from ..model import BroadMuscle
-from ..model_file import METRES, model_file
 from .literature import PrintedPoint, printed_positions
 
 Floats = npt.NDArray[np.float64]
@@ -42,19 +41,25 @@ class Position:
         return float(np.abs(np.subtract(self.point, self.printed.point)).max())
 
 
-def of_bands(name: str | Path) -> Attachments:
-    """Return the attachments of a model's bands."""
-    first, last, count = _bands(name)
-    return _at(name, np.linspace(first, last, count))
+def of_bands(muscle: BroadMuscle) -> Attachments:
+    """Return the attachments of a muscle's bands."""
+    return Attachments(muscle.definition.s_of_bands, muscle.origins, muscle.insertions)
 
 
-def of_whole_span(name: str | Path, muscle: BroadMuscle) -> Attachments:
+def of_whole_span(muscle: BroadMuscle) -> Attachments:
     """Return the attachments over all of s; for any but the published deltoid, from band to band.
 
-    Only there it is known that the polynomials hold from s = 0 to 1 (thesis ch. 5).
+    Only there it is known that the polynomials hold from s = 0 to 1 (thesis ch. 5). Attachments
+    that are listed are those of the bands.
     """
-    first, last, _ = (0.0, 1.0, 0) if is_published(muscle) else _bands(name)
-    return _at(name, np.linspace(first, last, SPAN))
+    definition = muscle.definition
+    curves = (*definition.origin, *definition.insertion)
+    if any(isinstance(curve, Listed) for curve in curves):
+        return of_bands(muscle)
+    first, last = (0.0, 1.0) if is_published(muscle) else definition.s_of_bands[[0, -1]].tolist()
+    s = np.linspace(first, last, SPAN)
+    points = METRES[definition.length] * np.array([curve.at(s) for curve in curves])
+    return Attachments(s, points[:3].T, points[3:].T)
 
 
 def is_published(muscle: BroadMuscle) -> bool:
@@ -69,29 +74,17 @@ def is_published(muscle: BroadMuscle) -> bool:
     )  # fmt: skip
 
 
-def positions(name: str | Path, table: str) -> list[Position]:
+def positions(muscle: BroadMuscle, table: str) -> list[Position]:
     """Return the thesis's Table '6.2.1' (origins) or '6.2.2' (insertions), done again.
 
     ValueError unless the model has as many bands as the table.
     """
-    ours, names = of_bands(name), BroadMuscle.load(name).band_names
+    ours = of_bands(muscle)
     points = ours.origins if table == '6.2.1' else ours.insertions
     return [
         Position(band, s, (x, y, z), printed)
         for band, s, (x, y, z), printed in zip(
-            names, ours.s.tolist(), points.tolist(), printed_positions(table), strict=True
+            muscle.band_names, ours.s.tolist(), points.tolist(), printed_positions(table),
+            strict=True,
         )
-    ]
-
-
-def _bands(name: str | Path) -> tuple[float, float, int]:
-    bands = model_file(name).section('bands')
-    span = bands.section('s')
-    return span.number('first'), span.number('last'), len(bands.names('names'))
-
-
-def _at(name: str | Path, s: Floats) -> Attachments:
-    file = model_file(name)
-    metres = file.section('units').choice('length', METRES)
-    origins, insertions = file.curve('origin', s), file.curve('insertion', s)
-    return Attachments(s, metres * origins, metres * insertions)
+    ]  # fmt: skip

@@ -81,7 +81,7 @@ def drawing() -> Iterator[None]:
 
 def attachments(subject: Subject) -> Figure:
     """E.1: the attachments of the bands within their whole span."""
-    span = of_whole_span(subject.model, subject.muscle)
+    span = of_whole_span(subject.muscle)
     adds: tuple[Add, ...] = (add_bones, lambda s, state: add_attachments(s, state, span))
     at = subject.at('flexion', 0.0)
     return page(

@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..model import BroadMuscle, interference_spheres
-from ..model_file import METRES, yaml_file
+from ..definition import METRES
+from ..model import BroadMuscle
+from ..model_file import interference_spheres
+from ..sections import parsed, text_of
 from .experiments import Experiment, simulate_all
 from .planes import routes
 
@@ -143,19 +145,23 @@ def with_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
     The file has `units: {length: mm}` and the key `interference_spheres` of a model file.
     ModelError names the file and the key of a fault.
     """
-    file = yaml_file(path)
+    file = parsed(str(path), text_of(Path(path)))
     file.allow(('units', 'interference_spheres'))
     units = file.section('units')
     units.allow(('length',))
-    names, centres, radii = interference_spheres(file, units.choice('length', METRES))
-    if not names:
+    metres = METRES[units.choice('length', METRES)]
+    spheres = interference_spheres(file)
+    if not spheres:
         raise file.fault('interference_spheres', 'at least one sphere expected')
-    for name in names:
-        if name in muscle.interference_names:
-            raise file.section('interference_spheres').fault(name, 'the model has one of this name')
+    for sphere in spheres:
+        if sphere.name in muscle.interference_names:
+            there = file.section('interference_spheres')
+            raise there.fault(sphere.name, 'the model has one of this name')
+    centres = metres * np.array([sphere.centre for sphere in spheres])
+    radii = metres * np.array([sphere.radius for sphere in spheres])
     return replace(
         muscle,
-        interference_names=(*muscle.interference_names, *names),
+        interference_names=(*muscle.interference_names, *(sphere.name for sphere in spheres)),
         interference_centres=np.concatenate((muscle.interference_centres, centres)),
         interference_radii=np.concatenate((muscle.interference_radii, radii)),
     )

@@ -99,7 +99,7 @@ def _positions(subject: Subject, table: str, what: str) -> Table:
             *(MILLIMETRES * x for x in each.printed.point),
             each.printed.erratum,
         )
-        for each in positions(subject.model, table)
+        for each in positions(subject.muscle, table)
     ]
     axes = tuple(f'{axis}_mm' for axis in 'xyz')
     return Table(
