@@ -18,6 +18,7 @@ from matplotlib.image import imread
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.cli import main
 from linkedplane_ros.recordings import RecordingError
+from linkedplane_ros.rivals.methods import LINKED
 from linkedplane_ros.study import animation, charts, figures, report
 from linkedplane_ros.study.interference import PRINTED, check
 from linkedplane_ros.study.parts import Table, heading
@@ -27,11 +28,13 @@ MODEL = Path(__file__).parents[1] / 'linkedplane_ros' / 'models' / 'deltoid.yaml
 FIGURES = {
     'e1_attachments', 'e2_spheres', 'e3_e6_to_e9_poses', 'e4_lengths', 'e5_moment_arms',
     'e10_montage', 'interference_depths', 'interference_where', 'fidelity_moment_arms',
+    'rivals',
 }  # fmt: skip
 TABLES = {
     'table_6_2_1_origins', 'table_6_2_2_insertions', 'errata', 'heads', 'cubic_less_exact',
     'experiments', 'interference_summary', 'interference_by_band', 'interference_entries',
-    'fidelity_by_head', 'fidelity_thesis', 'fidelity_models', 'fidelity_all',
+    'fidelity_by_head', 'fidelity_thesis', 'fidelity_models', 'fidelity_all', 'rivals',
+    'rivals_obstacles', 'cost',
 }  # fmt: skip
 
 
@@ -54,7 +57,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write text and tables alone: what is asked of the folder does not hang on its pictures."""
-    monkeypatch.setattr(report, 'CHAPTERS', report.CHAPTERS[2:])
+    monkeypatch.setattr(report, 'CHAPTERS', report.CHAPTERS[2:4])
     monkeypatch.setattr(charts, 'depths', lambda readings: blank())
     monkeypatch.setattr(charts, 'fidelity', lambda subject: blank())
     monkeypatch.setattr(figures, 'entries', lambda readings: blank())
@@ -138,6 +141,21 @@ def test_the_tables_hold_what_the_solver_gives(study: Path) -> None:
     assert float(row['moment_arm_cubic_mm']) == pytest.approx(1e3 * one.cubic_arms[3, 7], abs=1e-6)
     assert row['head'] == 'posterior'
     assert len(rows(study, 'interference_entries')) == 132 + 72 + 118
+
+
+def test_the_rivals_stand_beside_the_linked_planes(study: Path) -> None:
+    found = rows(study, 'rivals')
+    assert len(found) == 10 * 3
+    assert {row['method'] for row in found} == {row['method'] for row in rows(study, 'cost')}
+    linked = [row for row in found if row['method'] == LINKED]
+    assert all(float(row['length_jump_mm']) < 1e-3 for row in linked)
+    assert float(linked[0]['poses_crossed']) == 0.0  # over the thesis's motions
+    double = [float(row['length_jump_mm']) for row in found if row['method'] == 'double cylinder']
+    assert min(double) > 1.0
+    text = (study / 'report.md').read_text()
+    assert 'Nobody has published obstacles' in text
+    assert '5 to 10 hours a run' in text
+    assert 'linked planes' not in text.split('these keep more:')[1].split('![')[0]
 
 
 def test_the_errata_are_marked_in_the_tables_of_positions(study: Path) -> None:
@@ -243,7 +261,7 @@ def test_a_muscle_that_is_no_deltoid_is_studied_without_the_literature(tmp_path:
     assert 'No measurement of these heads is at hand.' in text
     assert 'Ackland' not in text
     assert {path.stem for path in (out / 'tables').iterdir()} == {
-        'heads', 'cubic_less_exact', 'experiments'
+        'heads', 'cubic_less_exact', 'experiments', 'rivals', 'rivals_obstacles', 'cost'
     }  # fmt: skip
     assert 'front_length_mm' in rows(out, 'heads')[0]
 

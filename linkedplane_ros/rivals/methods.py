@@ -134,6 +134,7 @@ def humeral_head(muscle: BroadMuscle) -> tuple[Vector, float] | None:
     return three(muscle.interference_centres[i]), float(muscle.interference_radii[i])
 
 
+LINKED = 'linked planes'
 CIRCLE = "each band's own: its circle of the arm at the side"
 OWN: Mapping[str, tuple[str, Callable[[Neutral], PathModel]]] = MappingProxyType(
     {
@@ -176,7 +177,7 @@ def methods(muscle: BroadMuscle) -> list[Method]:
     """
     solver = LinkedPlaneSolver(muscle)
     bands = neutral_bands(solver, solver.solve(np.eye(3)))
-    found = [Method('linked planes', "each band's own, moving (the model file)", solver)]
+    found = [Method(LINKED, "each band's own, moving (the model file)", solver)]
     for name, (obstacles, build) in OWN.items():
         found.append(Method(name, obstacles, Bands([build(band) for band in bands])))
     head = humeral_head(muscle)

@@ -15,7 +15,13 @@ from pathlib import Path
 from .. import __version__
 from ..outputs import remove
 from ..recordings import RecordingError
-from . import experiments_chapter, fidelity_chapter, interference_chapter, model_chapter
+from . import (
+    experiments_chapter,
+    fidelity_chapter,
+    interference_chapter,
+    model_chapter,
+    rivals_chapter,
+)
 from .figures import drawing
 from .parts import Chapter, Part, Picture, Table
 from .subject import Subject
@@ -25,6 +31,7 @@ CHAPTERS: Sequence[Callable[[Subject], Chapter]] = (
     experiments_chapter.chapter,
     interference_chapter.chapter,
     fidelity_chapter.chapter,
+    rivals_chapter.chapter,
 )
 
 REPORT = 'report.md'
