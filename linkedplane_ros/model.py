@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from importlib import resources
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import model_file, model_writing
+from . import model_file, model_writing, scaling
 from .definition import (
     FRAMES,
     Definition,
@@ -23,9 +23,10 @@ from .definition import (
     in_metres,
     unit,
 )
+from .scaling import Scale
 from .sections import ModelError, text_of
 
-__all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'bundled_models']
+__all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale', 'bundled_models']
 
 Floats = npt.NDArray[np.float64]
 
@@ -162,6 +163,16 @@ class BroadMuscle:
 
     def __hash__(self) -> int:
         return hash(self.definition)
+
+    def scaled(self, scale: float | str | Path | Sequence[float] | Scale) -> BroadMuscle:
+        """Return the muscle at a subject's size; lengths and moment arms follow.
+
+        `scale` is a factor; 3 of them, along x, y and z of both bones; 6, the scapula's and then
+        the humerus's; the same as text, with commas; or the path of a subject's measurements,
+        .yaml (docs/model_format.md). Raises ModelError where it is none of these.
+        """
+        wanted = scaling.scale_of(scale, self.definition)
+        return BroadMuscle.of(scaling.scaled(self.definition, wanted))
 
     @property
     def coefficients(self) -> dict[str, float]:

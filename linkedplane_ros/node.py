@@ -235,6 +235,7 @@ class MuscleStatePublisher(Node):
         muscle = settings.solver.muscle.name
         facts = {
             'muscle': muscle,
+            'scale': settings.scale,
             'side': settings.solver.side,
             'joint convention': settings.convention.name,
             'rotation': settings.convention.formula,

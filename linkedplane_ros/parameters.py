@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -31,6 +32,8 @@ class ParameterSpec:
     low: float | None = None
     high: float | None = None
     choices: tuple[str, ...] = ()
+    numbers: bool = False
+    """A text that may be given as a number or numbers, too."""
 
     @property
     def kind(self) -> Parameter.Type:
@@ -64,6 +67,11 @@ class ParameterSpec:
         """Return the value as the parameter's type; ValueError names what would be right."""
         if isinstance(self.default, list):
             return self._checked_list(value)
+        if self.numbers and not isinstance(value, str):
+            items = value if isinstance(value, (Sequence, array)) else [value]
+            if not all(finite_number(item) for item in items):
+                raise self._fault(value, 'numbers or text')
+            return ','.join(repr(float(item)) for item in items)
         if isinstance(self.default, (bool, str)):
             if type(value) is not type(self.default):
                 word = 'true or false' if isinstance(self.default, bool) else 'text'
@@ -107,6 +115,13 @@ def finite_number(value: Any) -> bool:
 
 SPECS = (
     ParameterSpec('muscle', 'deltoid', 'A bundled model, or the path of a model file (.yaml).'),
+    ParameterSpec(
+        'scale',
+        '1',
+        "The subject's size: a factor, 3 (x,y,z), 6 (the scapula's, then the humerus's), or the "
+        'path of a .yaml file of measurements.',
+        numbers=True,
+    ),
     ParameterSpec('side', 'right', "The shoulder's side of the body.", choices=SIDES),
     ParameterSpec(
         'joint_convention',
@@ -149,6 +164,7 @@ class Settings:
     """All parameters, checked and turned into what the node works with."""
 
     solver: LinkedPlaneSolver
+    scale: str
     convention: JointConvention
     joints: JointMap
     frame_id: str
@@ -167,11 +183,12 @@ class Settings:
             )
         if not checked['frame_id']:
             raise ValueError("parameter frame_id: '' given, the name of a frame expected")
-        muscle = BroadMuscle.load(checked['muscle'])
+        muscle = BroadMuscle.load(checked['muscle']).scaled(checked['scale'])
         solver = LinkedPlaneSolver(muscle, checked['side'])
         solver.answer(convention, STILL, STILL)  # compiled before it is needed
         return Settings(
             solver=solver,
+            scale=checked['scale'],
             convention=convention,
             joints=JointMap(
                 tuple(checked['joint_names']) or convention.coordinates,

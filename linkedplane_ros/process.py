@@ -51,6 +51,8 @@ class Task:
     kind: str | None = None
     """bag, csv or parquet; None: by the target's ending."""
     muscle: str = 'deltoid'
+    scale: str = '1'
+    """As BroadMuscle.scaled takes it."""
     side: str = 'right'
     convention: str = 'flexion_abduction_rotation'
     joints: tuple[str, ...] = ()
@@ -117,6 +119,8 @@ def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
         'source': task.source.name,
         'muscle': muscle.name,
         'model': task.muscle,
+        'model_source': muscle.source,
+        'scale': task.scale,
         'heads': json.dumps({head.name: head.bands for head in muscle.heads}),
         'side': task.side,
         'joint_convention': convention.name,
@@ -176,7 +180,7 @@ def run(task: Task, progress: Progress = lambda frames, share: None) -> Report:
     `progress` is told, chunk by chunk, of the frames done and the share of the recording, 0 to 1.
     """
     try:
-        muscle = BroadMuscle.load(task.muscle)
+        muscle = BroadMuscle.load(task.muscle).scaled(task.scale)
         solver = LinkedPlaneSolver(muscle, task.side)
         JOINT_CONVENTIONS[task.convention].rotation((0.0, 0.0, 0.0))
         begin = perf_counter()  # all is compiled

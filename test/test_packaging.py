@@ -55,6 +55,7 @@ PURE = (
     'plot',
     'process',
     'processed',
+    'scaling',
     'sections',
     'serialized',
     'serialized_markers',

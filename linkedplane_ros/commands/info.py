@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..model import BroadMuscle
+from .values import scalable
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,6 +16,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--png', metavar='FILE', help='draw it, hanging and raised (.png or .svg)')
     parser.add_argument('--schema', action='store_true',
                      help="print the line that tells an editor a model file's format")  # fmt: skip
+    scalable(parser)
 
 
 def run(args: argparse.Namespace) -> None:
@@ -24,7 +26,7 @@ def run(args: argparse.Namespace) -> None:
     if args.schema:
         print(schema_line())
         return
-    muscle = BroadMuscle.load(args.muscle)
+    muscle = BroadMuscle.load(args.muscle).scaled(args.scale)
     if args.png is not None:
         from ..model_picture import save
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..conventions import JOINT_CONVENTIONS, SIDES
-from .values import counting, positive, sign
+from .values import counting, positive, scalable, sign
 
 if TYPE_CHECKING:
     from ..process import Report
@@ -58,6 +58,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--jobs', type=counting, default=1, metavar='N',
                      help='recordings at a time (default 1)')  # fmt: skip
     parser.add_argument('--dask', metavar='ADDRESS', help='work on a Dask cluster')
+    scalable(parser)
 
 
 def run(args: argparse.Namespace) -> None:
@@ -94,6 +95,7 @@ def run(args: argparse.Namespace) -> None:
         'bones': bones,
         'kind': args.format,
         'muscle': args.muscle,
+        'scale': args.scale,
         'side': args.side,
         'convention': args.convention,
         'joints': tuple(args.joints or ()),

@@ -11,6 +11,7 @@ import numpy as np
 from ..conventions import JOINT_CONVENTIONS, SIDES
 from ..model import BroadMuscle
 from ..solver import LinkedPlaneSolver, WrapState
+from .values import scalable
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +24,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--side', choices=SIDES, default='right')
     parser.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
     parser.add_argument('--json', action='store_true', help='print JSON, in m and rad')
+    scalable(parser)
 
 
 def run(args: argparse.Namespace) -> None:
@@ -31,7 +33,7 @@ def run(args: argparse.Namespace) -> None:
     angles = np.array(args.angles) * (math.pi / 180.0 if args.degrees else 1.0)
     if not args.degrees and np.abs(angles).max() > 2.0 * math.pi:
         raise ValueError(f'{np.abs(angles).max():g} rad is more than a full turn; --degrees?')
-    solver = LinkedPlaneSolver(BroadMuscle.load(args.muscle), args.side)
+    solver = LinkedPlaneSolver(BroadMuscle.load(args.muscle).scaled(args.scale), args.side)
     state = solver.solve(convention.rotation(angles))
     arms = state.moment_vectors @ convention.axes(angles, args.side)
     names = solver.muscle.band_names

@@ -36,3 +36,10 @@ def counting(text: str) -> int:
     if value < 1:
         raise argparse.ArgumentTypeError(f'{text} given, 1 or more expected')
     return value
+
+
+def scalable(parser: argparse.ArgumentParser) -> None:
+    """Declare --scale, of the commands that take a muscle at a subject's size."""
+    parser.add_argument('--scale', default='1', metavar='SCALE',
+                        help="the subject's size: a factor, 3 (x,y,z), 6 (the scapula's, then the "
+                        "humerus's), or a .yaml file of measurements")  # fmt: skip
