@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .colours import head_colours
+from .colours import head_colours, sphere_colours
 from .conventions import JOINT_CONVENTIONS
 from .model import BroadMuscle
 from .model_check import DEFAULT_RANGE, told
@@ -28,6 +28,7 @@ Floats = npt.NDArray[np.float64]
 MILLIMETRES = 1e3  # in a metre
 VIEWS = {'from the right front': (14.0, 38.0), 'from the right back': (14.0, -52.0)}
 """Elevation and azimuth of the eye, deg; x lateral, y anterior, z superior."""
+MARGIN = 5.0  # mm
 GREY = '0.45'
 RAISED = (math.radians(80.0), math.radians(90.0))  # flexion, abduction, if the model goes so far
 
@@ -86,16 +87,14 @@ def extent(muscle: BroadMuscle, states: list[MuscleState]) -> Floats:
         ):
             points += [centres - radii[:, np.newaxis], centres + radii[:, np.newaxis]]
     every = MILLIMETRES * np.concatenate(points)
-    return np.array((every.min(axis=0), every.max(axis=0)))
+    return np.array((every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN))
 
 
 def draw(axes: Any, state: MuscleState) -> None:
     """Draw a state, in mm: bands and their ends, obstacle and interference spheres, the humerus."""
     muscle, solver = state.solver.muscle, state.solver
     colours = head_colours(muscle)
-    for first, bands in muscle.sharers().items():
-        of_one_head = len({muscle.head_of(muscle.band_names[i]) for i in bands}) == 1
-        colour = colours[first] if of_one_head else GREY
+    for first, colour in sphere_colours(muscle).items():
         centre, radius = state.sphere_centres[first], muscle.sphere_radii[first]
         axes.plot_surface(*ball(centre, radius), color=colour, alpha=0.10, linewidth=0)
     for centre, radius in zip(muscle.interference_centres, muscle.interference_radii, strict=True):

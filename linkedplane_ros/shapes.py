@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .bones import BONE, HEAD_RADIUS, SHAFT_END, SHAFT_RADIUS, SHAFT_START, shaft_axis
-from .colours import Colour, head_colours
+from .colours import Colour, head_colours, sphere_colours
 from .model import BroadMuscle
 from .solver import MuscleState, WrapState
 
@@ -95,7 +95,7 @@ class MuscleShapes:
     def __init__(self, muscle: BroadMuscle, points: int) -> None:
         """Draw so many `points` on the arc of a wrapped band."""
         self._points = points
-        self._spheres = muscle.sharers()
+        self._spheres = sphere_colours(muscle)
         colours = head_colours(muscle)
         self._shaft_centre = shaft_axis(muscle).mean(axis=0)
         width, length = 2.0 * SHAFT_RADIUS, SHAFT_END - SHAFT_START
@@ -114,10 +114,10 @@ class MuscleShapes:
                     i,
                     SPHERE,
                     (2.0 * float(muscle.sphere_radii[i]),) * 3,
-                    colours[i],
+                    colour,
                     SHEER,
                 )
-                for i in self._spheres  # each once: all at once they would be opaque
+                for i, colour in self._spheres.items()  # each once: together they would be opaque
             ),
             *(
                 Shape('bands', i, LINE_STRIP, (BAND_WIDTH, 0.0, 0.0), colour)

@@ -203,7 +203,8 @@ def test_a_name_that_is_no_model_is_refused_with_those_there_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     line = fault(capsys, 'info', 'biceps')
-    assert "'biceps' is neither a bundled model (deltoid) nor a path to a .yaml file" in line
+    known = 'deltoid, example_humerus_spheres, example_shared_sphere'
+    assert f"'biceps' is neither a bundled model ({known}) nor a path to a .yaml file" in line
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from linkedplane_ros import (
     WrapState,
 )
 from linkedplane_ros.bones import BONE
-from linkedplane_ros.colours import head_colours
+from linkedplane_ros.colours import SHARED, head_colours
 from linkedplane_ros.markers import MuscleMarkers
 from linkedplane_ros.shapes import upright_turned
 
@@ -186,6 +186,7 @@ def test_a_sphere_that_bands_share_is_shown_once() -> None:
     markers = sent(MuscleMarkers(shared, 'scapula', 16).at(state, STAMP)).markers
     spheres = [marker for marker in markers if marker.ns == 'obstacle_spheres']
     assert [marker.id for marker in spheres] == [0, 5, 6, 7, 8]
+    assert colour(spheres[0]) == pytest.approx(SHARED, abs=1e-6)  # of two heads
     for marker in spheres:
         centre = state.sphere_centres[marker.id]
         np.testing.assert_allclose(place(marker.pose.position), centre, rtol=0.0, atol=EXACT)

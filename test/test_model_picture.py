@@ -63,8 +63,8 @@ def test_a_ball_is_a_sphere() -> None:
 
 @pytest.mark.parametrize(('ending', 'begins'), [('png', b'\x89PNG'), ('svg', b'<?xml')])
 def test_info_draws_a_model(ending: str, begins: bytes, tmp_path: Path) -> None:
-    file = tmp_path / f'deltoid.{ending}'
-    assert main(['info', '--png', str(file)]) == 0
+    file = tmp_path / f'picture.{ending}'
+    assert main(['info', 'example_shared_sphere', '--png', str(file)]) == 0
     assert file.read_bytes().startswith(begins)
     assert [each.name for each in tmp_path.iterdir()] == [file.name]
 

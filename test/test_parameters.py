@@ -30,7 +30,7 @@ POSE = (0.3, 0.8, -0.2)
 
 WRONG: list[tuple[str, Any, str]] = [
     ('muscle', 3, 'text expected'),
-    ('muscle', 'biceps', 'neither a bundled model (deltoid) nor a path to a .yaml file'),
+    ('muscle', 'biceps', 'neither a bundled model (deltoid, example_humerus_spheres, example_'),
     ('muscle', '', 'neither a bundled model'),
     ('scale', 'large', 'one factor, 3'),
     ('scale', -1.0, 'a factor > 0'),
