@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .conventions import JOINT_CONVENTIONS, JointConvention
-    from .model import BroadMuscle, ModelError
+    from .model import BroadMuscle, Head, Landmark, ModelError
     from .solver import LinkedPlaneSolver, MuscleState, MuscleStates, WrapState
 
 __all__ = [
     'JOINT_CONVENTIONS',
     'BroadMuscle',
+    'Head',
     'JointConvention',
+    'Landmark',
     'LinkedPlaneSolver',
     'ModelError',
     'MuscleState',

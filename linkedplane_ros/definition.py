@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .sections import ModelError
+
 Floats = npt.NDArray[np.float64]
 Point = tuple[float, float, float]
 Range = tuple[float, float]
@@ -96,6 +98,15 @@ class Landmark:
     """scapula or humerus"""
     at: Point
     """In the bone's frame."""
+
+    def __post_init__(self) -> None:
+        """Check bone and place; ModelError says what would be right."""
+        if self.bone not in BONES:
+            raise ModelError(f'landmark {self.name}: {self.bone!r} given, one of {BONES} expected')
+        place = np.array(self.at, dtype=np.float64)
+        if place.shape != (3,):
+            raise ModelError(f'landmark {self.name}: shape {place.shape} given, (3,) expected')
+        object.__setattr__(self, 'at', tuple(place.tolist()))
 
 
 @dataclass(frozen=True)
@@ -182,7 +193,7 @@ class Definition:
             * metres,
             'interference_radii': np.array([sphere.radius for sphere in spheres]) * metres,
             'landmarks': tuple(
-                Landmark(mark.name, mark.bone, tuple((np.array(mark.at) * metres).tolist()))
+                Landmark(mark.name, mark.bone, scaled_by(mark.at, metres))
                 for mark in self.landmarks
             ),
             'range_of_motion': self.range_of_motion
@@ -193,6 +204,12 @@ class Definition:
 def frames_of(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:
     """Return each band's frame (n), where one may be stated for all."""
     return (frame,) * n if isinstance(frame, str) else frame
+
+
+def scaled_by(point: Point, factor: float) -> Point:
+    """Return a point times a factor."""
+    x, y, z = point
+    return x * factor, y * factor, z * factor
 
 
 def unit(vector: Floats) -> Floats:
@@ -238,6 +255,5 @@ def in_metres(fields: dict[str, Any]) -> Definition:
             Sphere(name, (x, y, z), radius) for name, (x, y, z), radius in spheres
         ),
         landmarks=fields['landmarks'],
-        range_of_motion=fields['range_of_motion']
-        and tuple((float(low), float(high)) for low, high in fields['range_of_motion']),
+        range_of_motion=fields['range_of_motion'],
     )

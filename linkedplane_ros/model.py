@@ -44,7 +44,7 @@ SHAPES: dict[str, tuple[str | int, ...]] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class BroadMuscle:
     """A broad muscle of n linked bands, right shoulder, in m and rad (thesis ch. 4 and 5).
 
@@ -54,7 +54,7 @@ class BroadMuscle:
     name: str
     source: str
     band_names: tuple[str, ...]
-    heads: tuple[Head, ...]
+    heads: tuple[Head, ...] = ()
     """Where none are given, the muscle is its own only head."""
     origins: Floats
     """(n, 3) ground (scapula) frame."""
@@ -64,19 +64,19 @@ class BroadMuscle:
     """(n, 3) each in its `sphere_frame`."""
     sphere_radii: Floats
     """(n,)"""
-    ground_point: Floats | None
+    ground_point: Floats | None = None
     """(3,) SC, ground frame: the moving frames' z axes stand across the plane with it."""
-    humeral_point: Floats | None
+    humeral_point: Floats | None = None
     """(3,) HM, humerus frame: the moving frames' x axes point to it."""
     plane_angles: Floats
     """(n,) phi, from the plane of the band before; the first is replaced by theta."""
     reference_normal: Floats
     """(3,) N, ground frame, unit."""
-    interference_centres: Floats
+    interference_centres: Floats = field(default_factory=lambda: np.empty((0, 3)))
     """(k, 3) ground frame."""
-    interference_radii: Floats
+    interference_radii: Floats = field(default_factory=lambda: np.empty(0))
     """(k,)"""
-    interference_names: tuple[str, ...]
+    interference_names: tuple[str, ...] = ()
     range_of_motion: tuple[Range, ...] | None = None
     """Lowest and highest flexion, abduction and rotation that the model is for, rad."""
     sphere_frame: str | tuple[str, ...] = 'moving'
@@ -90,6 +90,7 @@ class BroadMuscle:
 
     def __post_init__(self) -> None:
         """Check frames and shapes; ModelError names the field."""
+        self._set('band_names', tuple(map(str, self.band_names)))
         n = len(self.band_names)
         if not n:
             raise ModelError('band_names: at least one band expected')
@@ -105,6 +106,11 @@ class BroadMuscle:
         if 'moving' not in frames:
             self._set('ground_point', None)
             self._set('humeral_point', None)
+        if self.range_of_motion is not None:
+            limits = np.array(self.range_of_motion, dtype=np.float64)
+            if limits.shape != (3, 2):
+                raise ModelError(f'range_of_motion: shape {limits.shape} given, (3, 2) expected')
+            self._set('range_of_motion', tuple(map(tuple, limits.tolist())))
         sizes = {'n': n, 'k': len(self.interference_names)}
         for name, shape in SHAPES.items():
             if name in ('ground_point', 'humeral_point') and 'moving' not in frames:

@@ -21,6 +21,9 @@ DEFAULT_RANGE = tuple(
 )
 """The published deltoid's, rad: where a model states none."""
 STEPS = (9, 7, 5)  # poses along flexion, abduction and rotation
+CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
+JUMP = 1e-3  # m: what a length may jump by
+HALVINGS = 14  # of the way between two poses, until what does not jump has hardly changed
 NEAR = 10.0  # deg from a band's line to the normal that its plane follows
 OVER = 90.0  # deg between the sides to which neighbours bulge
 
@@ -40,21 +43,25 @@ def looked_over(muscle: BroadMuscle) -> Look:
     """Solve a muscle at a grid of poses over its range of motion, or the deltoid's; warn."""
     limits = muscle.range_of_motion or DEFAULT_RANGE
     axes = [np.unique(np.linspace(*span, n)) for span, n in zip(limits, STEPS, strict=True)]
-    angles = np.stack(np.meshgrid(*axes, indexing='ij'), axis=-1).reshape(-1, 3)
-    convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
-    rotations, _ = convention.rotations_and_axes(angles, 'right')
+    grid = np.stack(np.meshgrid(*axes, indexing='ij'), axis=-1)
+    angles = grid.reshape(-1, 3)
+    rotations, turns = CONVENTION.rotations_and_axes(angles)
     solver = LinkedPlaneSolver(muscle)
-    found = []
+    found: list[str] = []
+    reasons = [''] * len(angles)
     try:
         states = solver.solve_batch(rotations)
     except ValueError:
         reasons = [unsolved(solver, rotation) for rotation in rotations]
-        good = np.array([not reason for reason in reasons])
-        k = int((~good).argmax())
+    good = np.array([not reason for reason in reasons])
+    if not good.all():
+        k = int(good.argmin())
         found.append(f'{reasons[k]} ({told(angles[k])}); at {(~good).sum()} of {len(good)} poses')
-        angles = angles[good]
         states = solver.solve_batch(rotations[good])
-    found += [line for kind in (inside, along, over) for line in kind(muscle, states, angles)]
+    for kind in (inside, along, over):
+        found += kind(muscle, states, angles[good])
+    if good.all():
+        found += jumps(solver, grid, states, turns)
     return Look(len(rotations), limits, tuple(found))
 
 
@@ -128,14 +135,65 @@ def fan(muscle: BroadMuscle, states: MuscleStates) -> tuple[Floats, Floats]:
     return between, apart
 
 
-def worst(
-    muscle: BroadMuscle, angles: Floats, amounts: Floats, limit: float, text: str
+def jumps(
+    solver: LinkedPlaneSolver, grid: Floats, states: MuscleStates, axes: Floats
 ) -> Iterator[str]:
-    """Tell for each band whose amount (m, n) is above a limit how bad it gets, and where."""
+    """Tell of lengths that jump between poses of the grid (.., .., .., 3) beside each other.
+
+    A plane leaves its sphere on the side of the bulge, or another way round becomes the shortest.
+    Where a change of length is not what the moment arms at both ends foretell, it is looked for.
+    """
+    shape = (*grid.shape[:3], len(solver.muscle.band_names))
+    lengths = states.lengths.reshape(shape)
+    arms = (states.moment_vectors @ axes).reshape(*shape, 3)
+    pairs, steps = 0, []
+    for j in range(3):
+        near, far = ((slice(None),) * j + (part,) for part in (slice(-1), slice(1, None)))
+        turn = (grid[far] - grid[near])[..., j, np.newaxis]
+        foretold = -0.5 * (arms[near] + arms[far])[..., j] * turn
+        unlike = (np.abs(lengths[far] - lengths[near] - foretold) > JUMP).any(axis=-1)
+        pairs += unlike.size
+        steps.append(np.stack((grid[near][unlike], grid[far][unlike])))
+    start, end = np.concatenate(steps, axis=1)
+    try:
+        for _ in range(HALVINGS):
+            middle = 0.5 * (start + end)
+            changes = np.abs(np.diff(solved_at(solver, start, middle, end), axis=0)).max(axis=2)
+            later = (changes[1] > changes[0])[:, np.newaxis]
+            start, end = np.where(later, middle, start), np.where(later, end, middle)
+        leaps = 1e3 * np.abs(np.diff(solved_at(solver, start, end), axis=0))[0]
+    except ValueError as error:
+        yield f'{error} (between those looked at)'
+        return
+    text = 'its length jumps, by up to {:.1f} mm'
+    where = f'between {{}} of {pairs} pairs of neighbouring poses'
+    yield from worst(solver.muscle, start, leaps, 1e3 * JUMP, text, where)
+
+
+def solved_at(solver: LinkedPlaneSolver, *angles: Floats) -> Floats:
+    """Return the lengths (k, m, n) at k times (m, 3) angles, rad."""
+    rotations, _ = CONVENTION.rotations_and_axes(np.concatenate(angles))
+    n = len(solver.muscle.band_names)
+    return solver.solve_batch(rotations).lengths.reshape(len(angles), -1, n)
+
+
+def worst(
+    muscle: BroadMuscle,
+    angles: Floats,
+    amounts: Floats,
+    limit: float,
+    text: str,
+    where: str = '',
+) -> Iterator[str]:
+    """Tell for each band whose amount (m, n) is above a limit how bad it gets, and where.
+
+    `text` has a place for the amount, `where` for the number of poses; all of `angles`, if empty.
+    """
+    where = where or f'at {{}} of {len(angles)} poses'
     for i in np.flatnonzero((amounts > limit).any(axis=0)).tolist():
         k = int(amounts[:, i].argmax())
         count = int((amounts[:, i] > limit).sum())
         yield (
             f'{muscle.band_names[i]}: {text.format(abs(amounts[k, i]))} ({told(angles[k])}); '
-            f'at {count} of {len(angles)} poses'
+            f'{where.format(count)}'
         )

@@ -115,6 +115,31 @@ def test_a_plane_angle_that_turns_the_fan_over_is_told() -> None:
     assert f'up to {max(sides):.0f} deg away' in told
 
 
+def test_a_length_that_jumps_is_told_with_how_far() -> None:
+    # where the last bands' lines pass the middle of the ball, the fan goes round it either way
+    muscle = replace(
+        BroadMuscle.load('example_shared_sphere'),
+        sphere_radii=np.full(5, 0.031),
+        plane_angles=np.radians(np.full(5, 62.0)),
+        range_of_motion=((-0.4, 1.6), (0.0, 1.0), (-0.8, 0.8)),
+    )
+    told = [line for line in looked_over(muscle).warnings if 'its length jumps' in line]
+    match = re.fullmatch(
+        r'(\w+): its length jumps, by up to ([\d.]+) mm \(flexion (\S+), abduction (\S+), '
+        r'rotation (\S+) deg\); between [1-9]\d* of 802 pairs of neighbouring poses',
+        told[-1],
+    )
+    assert match
+    name, size, *pose = match.groups()
+    # within the rounding of the pose that is told, along one of the coordinates
+    ways = np.radians(np.linspace(-1.0, 1.0, 801))[:, np.newaxis, np.newaxis] * np.eye(3)
+    angles = np.radians([float(angle) for angle in pose]) + ways
+    rotations, _ = THESIS.rotations_and_axes(angles.reshape(-1, 3))
+    lengths = LinkedPlaneSolver(muscle).solve_batch(rotations).lengths.reshape(801, 3, -1)
+    leaps = np.abs(np.diff(lengths[..., muscle.band_names.index(name)], axis=0))
+    assert 1e3 * leaps.max() == pytest.approx(float(size), abs=1.0)  # mm: it grows over the degree
+
+
 def test_poses_at_which_a_band_has_no_plane_are_told() -> None:
     # at one pose of the grid the humerus has a band's insertion at its origin
     pose = np.radians((80.0, 60.0, 0.0))

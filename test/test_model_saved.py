@@ -209,11 +209,46 @@ def test_a_muscle_without_heads_is_its_own_only_head() -> None:
         ({'sphere_frame': 'sky'}, "'sky' given, one of moving, ground, humerus"),
         ({'sphere_frame': ('ground',)}, 'sphere_frame: .* 9 of them, expected'),
         ({'band_names': (), 'heads': ()}, 'band_names: at least one band expected'),
+        ({'range_of_motion': ((0.0, 1.0),)}, r'range_of_motion: shape \(1, 2\) given, \(3, 2\)'),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(change: dict, told: str) -> None:
     with pytest.raises(ModelError, match=told):
         replace(DELTOID, **change)
+
+
+def test_a_muscle_is_made_of_what_it_takes_and_no_more(tmp_path: Path) -> None:
+    muscle = BroadMuscle(
+        name='thread',
+        source='a thought',
+        band_names=np.array(['only']),
+        origins=[[0, 0.03, 0.04]],
+        insertions=[[0.02, 0, -0.09]],
+        sphere_frame='ground',
+        sphere_centres=[[0, 0, 0]],
+        sphere_radii=[0.02],
+        plane_angles=[0],
+        reference_normal=[2, 0, 0],
+        range_of_motion=np.zeros((3, 2)),
+        landmarks=(Landmark('tip', 'scapula', np.array((0.0, 0.0, 0.1))),),
+    )
+    assert muscle.reference_normal.tolist() == [1.0, 0.0, 0.0]
+    assert_same_to_the_bit(muscle, again(muscle, tmp_path))
+    assert LinkedPlaneSolver(muscle).solve(np.eye(3)).lengths.shape == (1,)
+
+
+def test_the_arrays_of_a_muscle_cannot_be_written_to() -> None:
+    with pytest.raises(ValueError, match='read-only'):
+        DELTOID.origins[0, 0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ('bone', 'at', 'told'),
+    [('wing', (0, 0, 0), "landmark tip: 'wing' given"), ('scapula', (0, 0), r'shape \(2,\) given')],
+)
+def test_a_landmark_that_is_none_is_refused(bone: str, at: tuple, told: str) -> None:
+    with pytest.raises(ModelError, match=told):
+        Landmark('tip', bone, at)
 
 
 @pytest.mark.parametrize(
