@@ -213,9 +213,9 @@ def scaled_by(point: Point, factor: float) -> Point:
 
 
 def unit(vector: Floats) -> Floats:
-    """Return a vector (3,) at length 1; one that has it to rounding stays as it is."""
+    """Return a vector (3,) at length 1; one that has it to rounding, or none, stays as it is."""
     size = float(np.linalg.norm(vector))
-    return vector if abs(size - 1.0) < 1e-12 else vector / size
+    return vector if abs(size - 1.0) < 1e-12 or size == 0.0 else vector / size
 
 
 def in_metres(fields: dict[str, Any]) -> Definition:

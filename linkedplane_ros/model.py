@@ -90,38 +90,50 @@ class BroadMuscle:
 
     def __post_init__(self) -> None:
         """Check frames and shapes; ModelError names the field."""
-        self._set('band_names', tuple(map(str, self.band_names)))
-        n = len(self.band_names)
-        if not n:
-            raise ModelError('band_names: at least one band expected')
         for name in ('source', 'licence'):
             self._set(name, getattr(self, name).strip())
-        self._set('heads', self.heads or (model_file.whole(self.name, self.band_names),))
-        frames = frames_of(self.sphere_frame, n)
-        if len(frames) != n or not set(frames) <= set(FRAMES):
+        for name in ('band_names', 'interference_names'):
+            self._set(name, tuple(map(str, getattr(self, name))))
+        if not self.band_names:
+            raise ModelError('band_names: at least one band expected')
+        whole = model_file.whole(self.name, self.band_names)
+        self._set('heads', tuple(self.heads) or (whole,))
+        self._set('landmarks', tuple(self.landmarks))
+        if self.range_of_motion is not None:
+            limits = self._shaped('range_of_motion', (3, 2)).tolist()
+            self._set('range_of_motion', tuple(map(tuple, limits)))
+        self._check_frame()
+        sizes = {'n': len(self.band_names), 'k': len(self.interference_names)}
+        for name, shape in SHAPES.items():
+            if getattr(self, name) is None and 'moving' not in self.sphere_frames:
+                continue  # SC and HM
+            array = self._shaped(
+                name, tuple(sizes[size] if isinstance(size, str) else size for size in shape)
+            )
+            array = unit(array) if name == 'reference_normal' else array
+            array.flags.writeable = False  # the definition would no longer be theirs
+            self._set(name, array)
+
+    def _check_frame(self) -> None:
+        """Check what the spheres move with; without a moving frame there is no SC and no HM."""
+        if not isinstance(self.sphere_frame, str):
+            self._set('sphere_frame', tuple(self.sphere_frame))
+        n = len(self.band_names)
+        if len(self.sphere_frames) != n or not set(self.sphere_frames) <= set(FRAMES):
             raise ModelError(
                 f'sphere_frame: {self.sphere_frame!r} given, one of {", ".join(FRAMES)}, or '
                 f'{n} of them, expected'
             )
-        if 'moving' not in frames:
+        if 'moving' not in self.sphere_frames:
             self._set('ground_point', None)
             self._set('humeral_point', None)
-        if self.range_of_motion is not None:
-            limits = np.array(self.range_of_motion, dtype=np.float64)
-            if limits.shape != (3, 2):
-                raise ModelError(f'range_of_motion: shape {limits.shape} given, (3, 2) expected')
-            self._set('range_of_motion', tuple(map(tuple, limits.tolist())))
-        sizes = {'n': n, 'k': len(self.interference_names)}
-        for name, shape in SHAPES.items():
-            if name in ('ground_point', 'humeral_point') and 'moving' not in frames:
-                continue
-            expected = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
-            given = np.array(getattr(self, name), dtype=np.float64)
-            if given.shape != expected:
-                raise ModelError(f'{name}: shape {given.shape} given, {expected} expected')
-            given = unit(given) if name == 'reference_normal' else given
-            given.flags.writeable = False  # the definition would no longer be theirs
-            self._set(name, given)
+
+    def _shaped(self, name: str, expected: tuple[int, ...]) -> Floats:
+        """Return a copy of a field as an array of a shape."""
+        array = np.array(getattr(self, name), dtype=np.float64)
+        if array.shape != expected:
+            raise ModelError(f'{name}: shape {array.shape} given, {expected} expected')
+        return array
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)

@@ -64,6 +64,7 @@ MUSCLES: dict[str, Callable[[], BroadMuscle]] = {
     'from arrays': lambda: random_muscle(3)[0],
     'of 40 bands': lambda: of_bands(40),
     'every variation': lambda: BroadMuscle.of(every_variation()),
+    'lists for tuples': lambda: replace(DELTOID, sphere_frame=['humerus', 'ground', 'moving'] * 3),
     'spheres on the ground': lambda: replace(DELTOID, sphere_frame='ground'),
     'no interference': lambda: replace(
         DELTOID,
@@ -259,6 +260,7 @@ def test_a_landmark_that_is_none_is_refused(bone: str, at: tuple, told: str) -> 
         ({'source': ' '}, 'source: text expected'),
         ({'origins': np.full((9, 3), np.nan)}, 'finite'),
         ({'insertions': DELTOID.origins}, 'ends where it begins'),
+        ({'reference_normal': np.zeros(3)}, 'a vector of some length expected, zero given'),
         ({'heads': (Head('all', ('nobody',), 'nobody'),)}, "'nobody' is no band"),
     ],
 )
