@@ -16,10 +16,12 @@ from .solver import MuscleState
 class MuscleMarkers:
     """The markers of one muscle: made once, then moved in place from state to state."""
 
-    def __init__(self, muscle: BroadMuscle, frame_id: str, points: int) -> None:
-        """Make all markers; `points` on the arc of a wrapped band."""
+    def __init__(
+        self, muscle: BroadMuscle, frame_id: str, points: int, details: bool = True
+    ) -> None:
+        """Make all markers; `points` on the arc of a wrapped band; with `details` or without."""
         self._frame_id = frame_id
-        self._shapes = MuscleShapes(muscle, points)
+        self._shapes = MuscleShapes(muscle, points, details)
         self._markers = [self._marker(shape) for shape in self._shapes.shapes]
         self._pools: list[list[Point]] = [[] for _ in self._markers]
 

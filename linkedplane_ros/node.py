@@ -113,7 +113,9 @@ class MuscleStatePublisher(Node):
         muscle = settings.solver.muscle
         self._settings, self._outputs, self._cleared = settings, outputs, False
         self._tally.last_state = None  # that of other settings
-        self._markers = MuscleMarkers(muscle, settings.frame_id, settings.markers_points)
+        self._markers = MuscleMarkers(
+            muscle, settings.frame_id, settings.markers_points, settings.markers_details
+        )
         self._pace = Pace(settings.markers_rate)
         self._answers = Answers(
             muscle.band_names, settings.convention.coordinates, settings.frame_id

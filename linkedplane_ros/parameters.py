@@ -151,6 +151,9 @@ SPECS = (
         10000.0,
     ),
     ParameterSpec(
+        'markers.details', True, 'Planes, interference spheres, and where bands enter them, too.'
+    ),
+    ParameterSpec(
         'markers.points', POINTS_ON_ARC, 'Points drawn on the arc of a wrapped band.', 2, 1000
     ),
 )
@@ -171,6 +174,7 @@ class Settings:
     markers_enabled: bool
     markers_rate: float
     markers_points: int
+    markers_details: bool
 
     @staticmethod
     def from_values(values: Mapping[str, Any]) -> Settings:
@@ -199,6 +203,7 @@ class Settings:
             markers_enabled=checked['markers.enabled'],
             markers_rate=checked['markers.rate'],
             markers_points=checked['markers.points'],
+            markers_details=checked['markers.details'],
         )
 
 

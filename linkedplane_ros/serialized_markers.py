@@ -26,7 +26,7 @@ class SerializedMarkers:
     def __init__(self, store: Any, muscle: BroadMuscle, frame_id: str, points: int) -> None:
         """`store`: the type store of rosbags; `points` on the arc of a wrapped band."""
         self._store, self._frame_id = store, frame_id
-        self._shapes = MuscleShapes(muscle, points)
+        self._shapes = MuscleShapes(muscle, points, details=False)
         self._templates: dict[bytes, Template] = {}
 
     def of(self, states: Sequence[MuscleState], stamps: Sequence[int]) -> list[bytes]:

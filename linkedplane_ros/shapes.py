@@ -2,12 +2,14 @@
 
 Namespaces: `bands` (a line strip each, id = band), `attachments` (origins 0, insertions 1),
 `obstacle_spheres` (id = the first of the bands that share it), `bones` (humeral head 0, shaft 1,
-the bony rim of the origins 2).
+the bony rim of the origins 2). As details: `planes` (id = band), `interference_spheres` (id =
+sphere), `interferences` (id = band: where it is deepest in one of them).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,13 +18,15 @@ import numpy.typing as npt
 
 from .bones import BONE, HEAD_RADIUS, SHAFT_END, SHAFT_RADIUS, SHAFT_START, shaft_axis
 from .colours import Colour, head_colours, sphere_colours
+from .interference import depths
 from .model import BroadMuscle
+from .planes import patches
 from .solver import MuscleState, WrapState
 
 Floats = npt.NDArray[np.float64]
 
 # visualization_msgs/Marker's numbers
-SPHERE, CYLINDER, LINE_STRIP, SPHERE_LIST = 2, 3, 4, 7
+SPHERE, CYLINDER, LINE_STRIP, SPHERE_LIST, TRIANGLE_LIST = 2, 3, 4, 7, 11
 ADD, DELETE = 0, 2
 
 MARKER_RATE = 30.0  # Hz, unless somebody wants another
@@ -32,6 +36,9 @@ BAND_WIDTH = 0.004  # m
 ATTACHMENT = 0.006  # m, diameter
 RIM_WIDTH = 0.008  # m
 SHEER = 0.12  # of the obstacle spheres
+PLANE_WIDTH = 0.05  # m that is drawn of a band's plane
+ALARM = (0.86, 0.08, 0.24)
+MARK = 0.01  # m, diameter of the mark where a band interferes
 UP = np.array((0.0, 0.0, 1.0))
 
 
@@ -92,15 +99,15 @@ class Place(NamedTuple):
 class MuscleShapes:
     """The markers of one muscle, before they are messages."""
 
-    def __init__(self, muscle: BroadMuscle, points: int) -> None:
-        """Draw so many `points` on the arc of a wrapped band."""
-        self._points = points
+    def __init__(self, muscle: BroadMuscle, points: int, details: bool) -> None:
+        """Draw so many `points` on the arc of a wrapped band; with `details` or without."""
+        self._points, self._details = points, details
         self._spheres = sphere_colours(muscle)
         colours = head_colours(muscle)
         self._shaft_centre = shaft_axis(muscle).mean(axis=0)
         width, length = 2.0 * SHAFT_RADIUS, SHAFT_END - SHAFT_START
         ball = (ATTACHMENT,) * 3
-        self.shapes = (
+        self.shapes: tuple[Shape, ...] = (
             Shape('bones', 0, SPHERE, (2.0 * HEAD_RADIUS,) * 3, BONE),
             Shape('bones', 1, CYLINDER, (width, width, length), BONE),
             Shape('bones', 2, LINE_STRIP, (RIM_WIDTH, 0.0, 0.0), BONE),
@@ -124,15 +131,33 @@ class MuscleShapes:
                 for i, colour in enumerate(colours)
             ),
         )
+        if details:
+            self.shapes += self._detailed(muscle, colours)
+
+    def _detailed(self, muscle: BroadMuscle, colours: Sequence[Colour]) -> tuple[Shape, ...]:
+        planes = [
+            Shape('planes', i, TRIANGLE_LIST, (1.0, 1.0, 1.0), colour, 0.3)
+            for i, colour in enumerate(colours)
+        ]
+        spheres = [
+            Shape('interference_spheres', k, SPHERE, (2.0 * radius,) * 3, ALARM, 0.2)
+            for k, radius in enumerate(muscle.interference_radii.tolist())
+        ]
+        marks = [
+            Shape('interferences', i, SPHERE, (MARK,) * 3, ALARM)
+            for i in range(len(colours) if spheres else 0)
+        ]
+        return (*planes, *spheres, *marks)
 
     def at(self, state: MuscleState) -> list[Place]:
         """Return the place of each shape at a state.
 
-        A band with an end inside its sphere has no path: its marker is deleted.
+        A band with an end inside its sphere has no path: its marker is deleted. So is the mark of
+        a band that keeps off all interference spheres.
         """
         origins = state.solver.origins
         turn = upright_turned(state.moved(UP))
-        return [
+        places = [
             Place(),
             Place(state.moved(self._shaft_centre), turn),
             Place(points=origins),
@@ -144,6 +169,22 @@ class MuscleShapes:
                 for path, wrap in zip(state.paths(self._points), state.wrap.tolist(), strict=True)
             ),
         ]
+        return [*places, *details_at(state)] if self._details else places
+
+
+def details_at(state: MuscleState) -> Iterator[Place]:
+    """Yield the places of the planes, the interference spheres and the marks in them."""
+    solver = state.solver
+    for a, b, c, d in patches(state, PLANE_WIDTH):
+        yield Place(points=np.array((a, b, c, a, c, d)))
+    if not len(solver.muscle.interference_radii):
+        return
+    for centre in solver.mirrored(solver.muscle.interference_centres):
+        yield Place(centre)
+    depth, deepest = depths(state)
+    for i, k in enumerate(depth.argmax(axis=1).tolist()):
+        enters = depth[i, k] >= 0.0 and state.wrap[i] != WrapState.INSIDE
+        yield Place(deepest[i, k], action=ADD if enters else DELETE)
 
 
 def upright_turned(axis: Floats) -> Floats:

@@ -106,7 +106,7 @@ class MuscleState:
 
     def moved(self, points: Floats) -> Floats:
         """Return points (..., 3) of the right humerus, m, at this pose: m, scapula frame."""
-        return self.solver._mirrored(points @ self.rotation.T)
+        return self.solver.mirrored(points @ self.rotation.T)
 
     def paths(self, points: int = 16) -> list[Floats]:
         """Return each band's path as a polyline: n arrays (k, 3), m, scapula frame.
@@ -180,7 +180,7 @@ class LinkedPlaneSolver:
     @property
     def origins(self) -> Floats:
         """(n, 3) origins, m, scapula frame."""
-        return self._mirrored(self.muscle.origins)
+        return self.mirrored(self.muscle.origins)
 
     def solve(self, rotation: npt.ArrayLike) -> MuscleState:
         """Solve one pose, a (3, 3) rotation humerus -> scapula (right-shoulder form).
@@ -264,9 +264,10 @@ class LinkedPlaneSolver:
         n = len(self.muscle.band_names)
         insertions, centres, arcs = np.empty((n, 3)), np.empty((n, 3)), np.zeros((n, points, 3))
         draw(self._flat, state.rotation, state.theta, state.wrap, insertions, centres, arcs)
-        return self._mirrored(insertions), self._mirrored(centres), self._mirrored(arcs)
+        return self.mirrored(insertions), self.mirrored(centres), self.mirrored(arcs)
 
-    def _mirrored(self, points: Floats) -> Floats:
+    def mirrored(self, points: Floats) -> Floats:
+        """Return points (..., 3) of the right scapula as this side's: m, its scapula frame."""
         return points * MIRROR if self.side == 'left' else points
 
 

@@ -46,7 +46,15 @@ def test_the_parameter_file_has_the_defaults() -> None:
     assert given == {spec.name: spec.default for spec in SPECS if spec.name != 'joint_names'}
 
 
-NAMESPACES = {'attachments', 'bands', 'bones', 'obstacle_spheres'}
+NAMESPACES = {
+    'attachments',
+    'bands',
+    'bones',
+    'interference_spheres',
+    'interferences',
+    'obstacle_spheres',
+    'planes',
+}
 
 
 def markers_displays(name: str) -> tuple[list[dict], dict]:

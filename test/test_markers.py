@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -99,12 +100,17 @@ def test_the_namespaces_hold_what_there_is_to_see() -> None:
     assert kinds == {
         ('bands', Marker.LINE_STRIP),
         ('obstacle_spheres', Marker.SPHERE),
+        ('interference_spheres', Marker.SPHERE),
+        ('interferences', Marker.SPHERE),
+        ('planes', Marker.TRIANGLE_LIST),
         ('attachments', Marker.SPHERE_LIST),
         ('bones', Marker.SPHERE),
         ('bones', Marker.CYLINDER),
         ('bones', Marker.LINE_STRIP),
     }
-    assert [len(of(array, ns)) for ns in ('bands', 'obstacle_spheres', 'attachments')] == [9, 9, 2]
+    each_band = ('bands', 'obstacle_spheres', 'planes', 'interferences')
+    assert [len(of(array, namespace)) for namespace in each_band] == [9, 9, 9, 9]
+    assert [len(of(array, ns)) for ns in ('attachments', 'interference_spheres')] == [2, 3]
 
 
 @pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
@@ -190,6 +196,72 @@ def test_a_sphere_that_bands_share_is_shown_once() -> None:
     for marker in spheres:
         centre = state.sphere_centres[marker.id]
         np.testing.assert_allclose(place(marker.pose.position), centre, rtol=0.0, atol=EXACT)
+
+
+@pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
+def test_an_interference_sphere_stands_where_the_thesis_has_it(side: LinkedPlaneSolver) -> None:
+    mirror = MIRROR if side is LEFT else (1.0, 1.0, 1.0)
+    for _, array in pairs(side):
+        for k, marker in enumerate(of(array, 'interference_spheres')):
+            centre = DELTOID.interference_centres[k] * mirror
+            np.testing.assert_allclose(place(marker.pose.position), centre, rtol=0.0, atol=EXACT)
+            assert marker.scale.x == 2.0 * DELTOID.interference_radii[k]
+
+
+@pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
+def test_a_band_is_marked_just_where_its_path_is_deepest_in_a_sphere(
+    side: LinkedPlaneSolver,
+) -> None:
+    centres = side.mirrored(DELTOID.interference_centres)
+    radii = DELTOID.interference_radii
+    marked = []
+    for state, array in pairs(side):
+        # finely drawn: chords over 1/999 of an arc are less than 1e-8 m off it
+        paths = [refined(path) for path in state.paths(1000)]
+        for path, mark in zip(paths, of(array, 'interferences'), strict=True):
+            apart = np.linalg.norm(path[:, np.newaxis] - centres, axis=2).min(axis=0)
+            assert (mark.action == Marker.ADD) == bool((radii - apart >= 0.0).any())
+            marked.append(mark.action == Marker.ADD)
+            if marked[-1]:
+                at = place(mark.pose.position)
+                k = (radii - apart).argmax()
+                # points 1e-4 m apart: 1.6 mm from a centre, the closest is 8e-7 m off
+                assert np.linalg.norm(at - centres[k]) == pytest.approx(apart[k], abs=1e-6)
+                assert np.linalg.norm(path - at, axis=1).min() < 1e-4
+    assert any(marked)
+    assert not all(marked)
+
+
+def refined(path: Array) -> Array:
+    """Return a polyline with a point every 1e-4 m at least."""
+    pieces = [np.linspace(a, b, 2 + int(np.linalg.norm(b - a) / 1e-4)) for a, b in pairwise(path)]
+    return np.concatenate(pieces)
+
+
+def test_a_muscle_without_interference_spheres_has_no_marks() -> None:
+    free = dataclasses.replace(
+        DELTOID,
+        interference_centres=np.empty((0, 3)),
+        interference_radii=np.empty(0),
+        interference_names=(),
+    )
+    array = MuscleMarkers(free, 'scapula', 16).at(LinkedPlaneSolver(free).solve(POSES[0]), STAMP)
+    assert not {'interferences', 'interference_spheres'} & {marker.ns for marker in array.markers}
+
+
+@pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
+def test_the_patch_of_a_plane_holds_its_band_and_lies_on_the_side_of_the_bulge(
+    side: LinkedPlaneSolver,
+) -> None:
+    for state, array in pairs(side):
+        for marker, path in zip(of(array, 'planes'), state.paths(9), strict=True):
+            origin, insertion, beyond = places(marker)[:3]
+            aside = beyond - insertion
+            assert aside @ (insertion - origin) == pytest.approx(0.0, abs=EXACT)
+            normal = np.cross(insertion - origin, aside)
+            normal /= np.linalg.norm(normal)
+            np.testing.assert_allclose((path - origin) @ normal, 0.0, atol=EXACT)
+            assert ((path - origin) @ aside).min() > -EXACT
 
 
 @pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])

@@ -65,7 +65,7 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
     assert report.fault == ''
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent
-    said = node_says(sent, side=side)
+    said = node_says(sent, side=side, **{'markers.details': False})
     assert said.keys() == TOPICS.keys()
     del said['markers'][0]  # it clears what a viewer may show of before
     assert len(said['markers']) == 10  # every fourth of 40 frames at 100 Hz
@@ -198,7 +198,7 @@ def test_a_motion_file_becomes_a_bag_that_the_node_would_answer_alike(
     task = Task(shared / 'recordings' / 'flexion.mot', tmp_path / 'out', convention='opensim_tsm')
     assert run(task).fault == ''
     found = contents(tmp_path / 'out')
-    said = node_says(found, joint_convention='opensim_tsm')
+    said = node_says(found, joint_convention='opensim_tsm', **{'markers.details': False})
     del said['markers'][0]
     for topic, answers in said.items():
         ours = [data for name, _, _, data in found if name == f'/deltoid/{topic}']
@@ -292,7 +292,7 @@ def test_a_filtered_bag_keeps_its_messages_and_has_its_new_angles_beside_them(
     assert stamps == [T0 + round(k * 1e9 / rate) for k in range(report.frames)]
     assert [time for _, _, time, _ in angles] == [stamp + 5 for stamp in stamps]
     again = [('/joint_states', *each[1:]) for each in angles]
-    said = node_says(again)
+    said = node_says(again, **{'markers.details': False})
     del said['markers'][0]
     for topic, answers in said.items():
         ours = [data for name, _, _, data in found if name == f'/deltoid/{topic}']
