@@ -12,13 +12,16 @@ endif
 unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
 unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test bench soak check workspace clean
+.PHONY: help demo view test bench soak check workspace clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
 
 demo: .venv/.made  ## run the node on recorded motion and show its topics
 	@$(BIN)/linkedplane_demo
+
+view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and move the arm
+	@$(BIN)/muscle_viewer --node
 
 test: .venv/.rivals check workspace  ## run all checks and tests
 	$(BIN)/python -m pytest -m 'not workspace' --numprocesses 2

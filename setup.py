@@ -14,6 +14,7 @@ ros = [
 ]
 fast = ['numba']
 tools = ['matplotlib', 'pyarrow', 'rich', 'rosbags', 'scipy']
+viewer = ['viser>=1.0,<2']
 cluster = ['dask[distributed]']
 bench = ['mujoco>=3.6', 'opensim']
 test = [
@@ -48,9 +49,10 @@ setup(
         'ros': ros,
         'fast': fast,
         'tools': tools,
+        'viewer': viewer,
         'cluster': cluster,
         'bench': bench,
-        'all': ros + fast + tools,
+        'all': ros + fast + tools + viewer,
         'test': test + cluster,
     },
     python_requires='>=3.10',
@@ -63,6 +65,7 @@ setup(
     entry_points={
         'console_scripts': [
             'muscle_state_publisher = linkedplane_ros.executables:muscle_state_publisher',
+            'muscle_viewer = linkedplane_ros.executables:muscle_viewer',
             'linkedplane = linkedplane_ros.cli:main',
             'linkedplane_demo = linkedplane_ros.executables:demo',
         ],

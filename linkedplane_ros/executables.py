@@ -20,6 +20,14 @@ def muscle_state_publisher() -> None:
     main()
 
 
+def muscle_viewer() -> None:
+    """Run the viewer."""
+    prepare()
+    from .viewer.main import main
+
+    main()
+
+
 def demo() -> int:
     """Run the demonstration."""
     prepare()

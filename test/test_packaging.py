@@ -67,6 +67,13 @@ PURE = (
     'table_motion',
     'tables',
     'vectors',
+    'viewer.colour_map',
+    'viewer.geometry',
+    'viewer.history',
+    'viewer.motions',
+    'viewer.newest',
+    'viewer.table',
+    'viewer.wire',
     'workers',
     *(
         f'{folder}.{path.stem}'
@@ -74,7 +81,7 @@ PURE = (
         for path in SOURCES.glob(f'{folder}/*.py')
     ),
 )
-SCRIPTS = ('muscle_state_publisher', 'linkedplane', 'linkedplane_demo')
+SCRIPTS = ('muscle_state_publisher', 'muscle_viewer', 'linkedplane', 'linkedplane_demo')
 ENVIRONMENT = SOURCES / 'ros_environment.py'
 PREPARE = f"import runpy; runpy.run_path('{ENVIRONMENT}')['prepare'](); "
 RCLPY_RUNS = PREPARE + "import rclpy; rclpy.init(); rclpy.shutdown(); print('rclpy runs')"

@@ -1,0 +1,175 @@
+"""From markers to what a scene draws: lines, bodies and sheets, one of a kind for a namespace.
+
+Few things with many parts are drawn faster than many things. Lengths in m, colours 0..255.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from .wire import (
+    CYLINDER,
+    DELETE,
+    DELETE_ALL,
+    LINE_LIST,
+    LINE_STRIP,
+    SPHERE,
+    SPHERE_LIST,
+    TRIANGLE_LIST,
+    Marker,
+)
+
+Floats = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+Markers = dict[tuple[str, int], Marker]
+BANDS = 'bands'
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Pieces of lines."""
+
+    points: Floats
+    """(m, 2, 3) their ends."""
+    colours: Bytes
+    """(m, 2, 3)"""
+    width: float
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Balls, or rods along their z, of diameter 1 and height 1 before they are scaled."""
+
+    positions: Floats
+    """(m, 3)"""
+    turns: Floats
+    """(m, 4) w x y z."""
+    sizes: Floats
+    """(m, 3)"""
+    colours: Bytes
+    """(m, 3)"""
+    opacity: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sheets:
+    """Triangles of one colour."""
+
+    points: Floats
+    """(3 m, 3)"""
+    colour: tuple[int, int, int]
+    opacity: float
+
+
+Drawable = Lines | Bodies | Sheets
+
+
+def apply(markers: Markers, message: Iterable[Marker]) -> None:
+    """Add, replace and remove markers as a message says."""
+    for marker in message:
+        if marker.action == DELETE_ALL:
+            markers.clear()
+        elif marker.action == DELETE:
+            markers.pop((marker.namespace, marker.number), None)
+        else:
+            markers[marker.namespace, marker.number] = marker
+
+
+def drawables(
+    markers: Markers, band_colours: Mapping[int, npt.ArrayLike] | None = None
+) -> dict[str, Drawable]:
+    """Return what is to be drawn, by name: namespace/kind, or namespace/sheets/colour.
+
+    `band_colours`: red, green and blue 0..255 of bands that are not to have their marker's colour.
+    """
+    groups: dict[str, list[Marker]] = {}
+    for marker in markers.values():
+        groups.setdefault(name_of(marker), []).append(marker)
+    makers = {'lines': lines, 'balls': bodies, 'rods': bodies}
+    drawn: dict[str, Drawable] = {}
+    for name, group in groups.items():
+        kind = name.split('/')[1]
+        if kind == 'lines':
+            drawn[name] = lines(group, band_colours or {} if name.startswith(f'{BANDS}/') else {})
+        elif kind in makers:
+            drawn[name] = bodies(group)
+        elif kind == 'sheets':
+            drawn[name] = sheets(group)
+    return drawn
+
+
+def name_of(marker: Marker) -> str:
+    """Return the name of what a marker is drawn with; other kinds of markers are not drawn."""
+    if marker.kind in (LINE_STRIP, LINE_LIST):
+        return f'{marker.namespace}/lines'
+    if marker.kind in (SPHERE, SPHERE_LIST):
+        return f'{marker.namespace}/balls'
+    if marker.kind == CYLINDER:
+        return f'{marker.namespace}/rods'
+    if marker.kind == TRIANGLE_LIST:
+        return f'{marker.namespace}/sheets/{"_".join(map(str, rgb(marker.colour)))}'
+    return f'{marker.namespace}/unknown'
+
+
+def rgb(colour: Floats) -> tuple[int, int, int]:
+    """Return red, green and blue 0..255 of a colour in 0..1."""
+    red, green, blue = np.rint(255.0 * np.clip(colour[:3], 0.0, 1.0)).astype(int).tolist()
+    return red, green, blue
+
+
+def lines(group: list[Marker], colours: Mapping[int, npt.ArrayLike]) -> Lines:
+    """Return strips and lists of lines as pieces; a number's colour instead of its marker's."""
+    ends, paint = [np.empty((0, 2, 3))], [np.empty((0, 2, 3), np.uint8)]
+    for marker in group:
+        points = placed(marker)
+        if marker.kind == LINE_LIST:
+            pieces = points[: len(points) // 2 * 2].reshape(-1, 2, 3)
+        else:
+            pieces = np.stack((points[:-1], points[1:]), axis=1)
+        colour = np.asarray(colours.get(marker.number, rgb(marker.colour)), np.uint8)
+        ends.append(pieces)
+        paint.append(np.broadcast_to(colour, pieces.shape))
+    return Lines(np.concatenate(ends), np.concatenate(paint), float(group[0].scale[0]))
+
+
+def bodies(group: list[Marker]) -> Bodies:
+    """Return spheres, lists of spheres and cylinders as placed, turned and sized bodies."""
+    positions, turns, sizes, paint = [], [], [], []
+    for marker in group:
+        listed = marker.kind == SPHERE_LIST
+        places = placed(marker) if listed else marker.position[np.newaxis]
+        own = np.tile(rgb(marker.colour), (len(places), 1))
+        if listed and len(marker.colours) == len(places):
+            own = np.rint(255.0 * np.clip(marker.colours[:, :3], 0.0, 1.0))
+        positions.append(places)
+        turns.append(np.tile(marker.orientation[[3, 0, 1, 2]], (len(places), 1)))
+        sizes.append(np.tile(marker.scale, (len(places), 1)))
+        paint.append(own)
+    return Bodies(
+        np.concatenate(positions),
+        np.concatenate(turns),
+        np.concatenate(sizes),
+        np.concatenate(paint).astype(np.uint8),
+        float(group[0].colour[3]),
+    )
+
+
+def sheets(group: list[Marker]) -> Sheets:
+    """Return lists of triangles of one colour as one."""
+    points = [placed(marker)[: len(marker.points) // 3 * 3] for marker in group]
+    return Sheets(np.concatenate(points), rgb(group[0].colour), float(group[0].colour[3]))
+
+
+def placed(marker: Marker) -> Floats:
+    """Return a marker's points (k, 3) where its pose puts them."""
+    x, y, z, w = marker.orientation.tolist()
+    if (x, y, z) == (0.0, 0.0, 0.0):
+        return marker.points + marker.position
+    turn = np.array((x, y, z))
+    aside = np.cross(turn, marker.points)
+    moved: Floats = marker.points + 2.0 * (w * aside + np.cross(turn, aside)) + marker.position
+    return moved

@@ -1,0 +1,115 @@
+"""The executable muscle_viewer: its arguments, its port, its end."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import errno
+import io
+import os
+import socket
+import subprocess
+import sys
+from threading import Thread
+
+import rclpy
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.executors import ExternalShutdownException
+from rclpy.utilities import remove_ros_args
+
+PORT = 8080
+TRIED = 20  # ports behind a busy one
+LOOPBACK = '127.0.0.1'
+NODE = [
+    sys.executable,
+    '-m',
+    'linkedplane_ros.executables',
+    '--ros-args',
+    '-p',
+    'markers.rate:=120',
+]
+
+
+def arguments(given: list[str]) -> argparse.Namespace:
+    """Return the arguments; what stands behind --ros-args is for ROS."""
+    parser = argparse.ArgumentParser(
+        prog='muscle_viewer',
+        description='Show the muscles that are published, in a browser, and move their arms.',
+        epilog='ROS arguments follow --ros-args.',
+    )
+    parser.add_argument('--host', default=LOOPBACK, help='address to listen on (%(default)s)')
+    parser.add_argument(
+        '--port', type=int, help=f'port to listen on ({PORT}, or the next free one)'
+    )
+    parser.add_argument('--node', action='store_true', help='start the muscle node as well')
+    return parser.parse_args(remove_ros_args(given)[1:])
+
+
+def free_port(host: str, port: int | None) -> int:
+    """Return the port to listen on; SystemExit with one line where there is none."""
+    first = PORT if port is None else port
+    if not 0 <= first <= 65535:
+        sys.exit(f'muscle_viewer: --port {port}: 0 to 65535 expected')
+    for candidate in range(first, first + (TRIED if port is None else 1)):
+        try:
+            with socket.create_server((host, candidate)):
+                pass
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                continue
+            sys.exit(f'muscle_viewer: cannot listen on {host}:{candidate}: {error.strerror}')
+        if candidate != first:
+            print(f'muscle_viewer: port {first} is taken; --port chooses another', flush=True)
+        return candidate
+    sys.exit(f'muscle_viewer: port {first} is taken; --port chooses another')
+
+
+def main(given: list[str] | None = None) -> None:
+    """Serve until interrupted or terminated; either ends it with status 0."""
+    given = sys.argv if given is None else given
+    options = arguments(given)
+    try:
+        import viser
+    except ImportError:
+        sys.exit("muscle_viewer: viser is not installed: pip install 'linkedplane_ros[viewer]'")
+    from .app import Viewer
+    from .node import ViewerNode
+
+    port = free_port(options.host, options.port)
+    if options.node:
+        os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    rclpy.init(args=given)
+    muscle = subprocess.Popen(NODE) if options.node else None
+    quiet = contextlib.redirect_stdout(io.StringIO())
+    with quiet:
+        server = viser.ViserServer(options.host, port, label='muscle viewer', verbose=False)
+    server.request_share_url = lambda verbose=True: None  # nothing leaves this machine
+    print(where(options.host, server.get_port()), flush=True)
+    node = ViewerNode()
+    reading = Thread(target=node.spin, args=(rclpy.ok,), daemon=True)
+    reading.start()
+    try:
+        Viewer(server, node).run(lambda: rclpy.ok() and reading.is_alive())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except RCLError:
+        if rclpy.ok():
+            raise
+    finally:
+        rclpy.try_shutdown()
+        reading.join(2.0)
+        with quiet:
+            server.stop()
+        if muscle is not None:
+            muscle.terminate()
+            muscle.wait(10.0)
+
+
+def where(host: str, port: int) -> str:
+    """Return a line that says where the viewer is, and for whom."""
+    shown = LOOPBACK if host in ('', '0.0.0.0', '::') else host
+    if host in (LOOPBACK, 'localhost', '::1'):
+        reach = 'for this machine alone; --host 0.0.0.0 lets others in'
+    else:
+        reach = 'for all that reach this address: they see the arm and move it'
+    return f'muscle_viewer: open http://{shown}:{port} ({reach})'

@@ -1,0 +1,149 @@
+"""The panel of one muscle: sliders and buttons that move its arm, or follow its stream."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from threading import RLock
+from typing import Any
+
+import numpy as np
+import viser
+
+from .motions import Arm, poses, ranges
+from .newest import Facts, Floats, Values
+
+SETTLED = 0.06  # s without a move after which the arm is at rest
+HEARTBEAT = 1.0  # s between joint states at rest: a node that comes back learns the pose from them
+SHOWN = 0.05  # s between moves of the sliders by something else than a hand
+UNDECIDED = 1.5  # s in which other publishers are found, before the arm is moved or followed
+STEP = 0.5  # deg
+
+PLAY, STOP = 'play a sweep', 'stop'
+
+
+class MusclePanel:
+    """Moves one arm; `move` publishes angles (3,), rad, and speeds (3,), rad/s."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        facts: Facts,
+        move: Callable[[Floats, Floats], None],
+        coordinate: Callable[[], int],
+    ) -> None:
+        """Add the panel to what is open of the GUI; `coordinate` tells which one is swept."""
+        self._move = move
+        self._coordinate = coordinate
+        self._ranges = np.round(np.degrees(ranges(facts.convention, facts.motion)), 1)
+        self._poses = poses(facts.convention)
+        self._arm = Arm()
+        self._lock = RLock()
+        self._begun = time.monotonic()
+        self._sent = self._shown = -np.inf
+        self._resting = False
+        self._decided = False
+        self._newest = Values()
+        self._status = gui.add_html('')
+        self._sliders = [
+            gui.add_slider(f'{name} (deg)', float(low), float(high), STEP, float(max(low, 0.0)))
+            for name, (low, high) in zip(facts.coordinates, self._ranges, strict=True)
+        ]
+        self._buttons = gui.add_button_group('go to', tuple(self._poses))
+        self._play = gui.add_button(PLAY)
+        self._follow = gui.add_checkbox('follow the stream', False)
+        for slider in self._sliders:
+            slider.on_update(self._dragged)
+        self._buttons.on_click(self._go)
+        self._play.on_click(self._sweep)
+        self._follow.on_update(self._switched)
+
+    def _dragged(self, event: Any) -> None:
+        """Take over from a hand; a slider that was moved by this program has no client."""
+        if event.client is None or self._follow.value:
+            return
+        with self._lock:
+            now = time.monotonic()
+            angles = np.radians([slider.value for slider in self._sliders])
+            self._send(self._arm.drag(angles, now), now)
+            self._resting = False
+            self._play.label = PLAY
+
+    def _go(self, event: Any) -> None:
+        with self._lock:
+            self._follow.value = False
+            self._arm.glide(self._poses[event.target.value], time.monotonic())
+            self._play.label = PLAY
+
+    def _sweep(self, _: Any) -> None:
+        with self._lock:
+            self._follow.value = False
+            if self._arm.moving:
+                self._arm.stop()
+                self._play.label = PLAY
+                return
+            k = self._coordinate()
+            low, high = np.radians(self._ranges[k]).tolist()
+            self._arm.sweep(k, low, high, time.monotonic())
+            self._play.label = STOP
+
+    def _switched(self, _: Any) -> None:
+        """Follow, or take over where the arm is."""
+        with self._lock:
+            self._decided = True
+            self._arm.stop()
+            self._play.label = PLAY
+            if not self._follow.value and self._newest.angles is not None:
+                self._arm.angles = self._newest.angles
+            for slider in self._sliders:
+                slider.disabled = self._follow.value
+
+    def _send(self, speeds: Floats, now: float) -> None:
+        self._move(self._arm.angles, speeds)
+        self._sent = now
+
+    def tick(self, newest: Values) -> None:
+        """Go on: to be called for each frame, with the newest state."""
+        with self._lock:
+            now = time.monotonic()
+            self._newest = newest
+            self._status.content = status(newest, self._follow.value)
+            if not self._decided:
+                if now < self._begun + UNDECIDED and not newest.rivals:
+                    return
+                self._decided = True
+                self._follow.value = newest.rivals > 0
+            if self._follow.value:
+                if newest.angles is not None:
+                    self._show(newest.angles, now)
+            elif self._arm.moving:
+                self._send(self._arm.at(now), now)
+                self._resting = False
+                self._show(self._arm.angles, now, last=not self._arm.moving)
+            elif now > self._sent + (HEARTBEAT if self._resting else SETTLED):
+                self._send(np.zeros(3), now)
+                self._resting = True
+
+    def _show(self, angles: Floats, now: float, last: bool = False) -> None:
+        """Let the sliders go along."""
+        if now < self._shown + SHOWN and not last:
+            return
+        self._shown = now
+        low, high = self._ranges.T
+        shown = np.clip(np.round(np.degrees(angles), 1), low, high).tolist()
+        for slider, value in zip(self._sliders, shown, strict=True):
+            slider.value = value
+
+
+def status(newest: Values, following: bool) -> str:
+    """Return a line on what is to be known of the node, or nothing, as HTML."""
+    line = ''
+    if not newest.present:
+        line = 'the node is gone: its last state stays'
+    elif newest.lengths is None:
+        line = 'no joint state has been answered so far'
+    elif newest.rivals and not following:
+        line = 'something else moves this arm, too: follow the stream?'
+    return (
+        f'<div style="padding:0 0.9em;font-size:0.8em;color:#c4622d">{line}</div>' if line else ''
+    )

@@ -1,0 +1,159 @@
+"""Live plots: length and moment arm of each head, over time or against a coordinate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+from viser import uplot
+
+from ..colours import HEAD_COLOURS
+from .history import Curve, Recent
+from .newest import Facts, Floats, Values
+
+SPAN = 20.0  # s shown
+RATE = 60  # rows a second at most
+FRESH = 0.08  # s between drawings of a plot
+DEGREES = (-180.0, 180.0, 1.0)
+TIME, COORDINATE = 'time', 'coordinate'
+HEIGHT = 132  # px
+MILLIMETRES = 1e3
+DASH = (6, 4)  # px, of the second muscle's lines
+
+
+def numbers(facts: Facts, newest: Values) -> tuple[Floats, Floats]:
+    """Return the heads' lengths (h,), mm, and moment arms (h, 3), mm; NaN where none has come."""
+    bands = [band for _, band in facts.heads]
+    n = len(facts.bands)
+    lengths, arms = newest.lengths, newest.arms
+    if lengths is None or len(lengths) != n:
+        lengths = np.full(n, np.nan)
+    if arms is None or len(arms) != n:
+        arms = np.full((n, 3), np.nan)
+    return MILLIMETRES * lengths[bands], MILLIMETRES * arms[bands]
+
+
+class Plots:
+    """Two plots of all muscles: the lines of the second are dashed."""
+
+    def __init__(self, gui: viser.GuiApi, muscles: Sequence[tuple[str, Facts]]) -> None:
+        """Add them to what is open of the GUI; a muscle has a name and facts."""
+        self._gui = gui
+        self._facts = [facts for _, facts in muscles]
+        self._begin = 0.0
+        self._drawn = -np.inf
+        self._shown: tuple[str, int] | None = None
+        count = sum(len(facts.heads) for facts in self._facts)
+        self._recent = Recent(4 * count, round(SPAN * RATE))
+        self._curves = self._fresh_curves()
+        self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
+        self._lines = lines_of(muscles)
+        self._place = gui.add_folder(None)
+        self._plots: list[Any] = []
+        clear = gui.add_button('clear the plots')
+        clear.on_click(lambda _: self._clear())
+
+    def _make(self, data: Sequence[tuple[Floats, ...]]) -> None:
+        """Add the plots, with the first of their data."""
+        with self._place:
+            self._plots = [
+                self._gui.add_uplot(
+                    each,
+                    (uplot.Series(label='x'), *self._lines),
+                    height=HEIGHT,
+                    legend=uplot.Legend(show=False),
+                    scales={'x': uplot.Scale(time=False)},
+                    axes=axes('', ''),
+                )
+                for each in data
+            ]
+
+    def _fresh_curves(self) -> list[list[Curve]]:
+        return [[Curve(4 * len(f.heads), *DEGREES) for _ in range(3)] for f in self._facts]
+
+    def _clear(self) -> None:
+        count = sum(len(facts.heads) for facts in self._facts)
+        self._recent = Recent(4 * count, round(SPAN * RATE))
+        self._curves = self._fresh_curves()
+        self._shown = None
+
+    def add(self, now: float, newest: Sequence[Values]) -> None:
+        """Take in the newest state of each muscle."""
+        if not self._lines:
+            return
+        self._begin = self._begin or now
+        rows = []
+        for facts, values, curves in zip(self._facts, newest, self._curves, strict=True):
+            lengths, arms = numbers(facts, values)
+            row = np.column_stack((lengths, arms)).ravel()  # length and three arms of each head
+            rows.append(row)
+            if values.angles is not None:
+                for curve, angle in zip(curves, np.degrees(values.angles).tolist(), strict=True):
+                    curve.add(angle, row)
+        self._recent.add(now - self._begin, np.concatenate(rows))
+
+    def draw(self, now: float, coordinate: int) -> None:
+        """Draw what there is; the moment arms are those about a coordinate (0, 1, 2)."""
+        if now < self._drawn + FRESH or not self._lines:
+            return
+        self._drawn = now
+        axis = self._axis.value
+        table = self._table(axis, coordinate)
+        if len(table) < 2:
+            return
+        values = table[:, 1:].reshape(len(table), -1, 4)
+        data = [
+            (table[:, 0], *np.ascontiguousarray(values[:, :, k].T)) for k in (0, 1 + coordinate)
+        ]
+        if not self._plots:
+            self._make(data)
+        if self._shown != (axis, coordinate):
+            self._shown = axis, coordinate
+            name = self._facts[0].coordinates[coordinate]
+            across = 'time, s' if axis == TIME else f'{name}, deg'
+            self._plots[0].axes = axes(across, 'length, mm')
+            self._plots[1].axes = axes(across, f'arm: {name}, mm')
+        for plot, each in zip(self._plots, data, strict=True):
+            plot.data = each
+
+    def _table(self, axis: str, coordinate: int) -> Floats:
+        """Return the rows to be drawn: x, then length and three arms of each head, mm."""
+        if axis == TIME:
+            return self._recent.last(SPAN)
+        parts, left = [], 0
+        width = 4 * sum(len(facts.heads) for facts in self._facts)
+        for curves in self._curves:
+            rows = curves[coordinate].known()
+            part = np.full((len(rows), 1 + width), np.nan)
+            part[:, 0] = rows[:, 0]
+            part[:, 1 + left : left + rows.shape[1]] = rows[:, 1:]
+            left += rows.shape[1] - 1
+            parts.append(part)
+        table = np.concatenate(parts)
+        return np.asarray(table[table[:, 0].argsort(kind='stable')])
+
+
+def lines_of(muscles: Sequence[tuple[str, Facts]]) -> list[Any]:
+    """Return the lines of a plot, one for each head of each muscle."""
+    lines = []
+    for k, (name, facts) in enumerate(muscles):
+        for i, (head, _) in enumerate(facts.heads):
+            red, green, blue = (round(255 * c) for c in HEAD_COLOURS[i % len(HEAD_COLOURS)])
+            line = uplot.Series(
+                label=f'{head} {name}'.strip(), stroke=f'rgb({red},{green},{blue})', width=2
+            )
+            if k:
+                line['dash'] = DASH
+            lines.append(line)
+    return lines
+
+
+def axes(across: str, up: str) -> tuple[Any, Any]:
+    """Return the axes of a plot with their labels."""
+    look = {'labelSize': 16, 'labelFont': '11px sans-serif', 'font': '11px sans-serif'}
+    return (
+        uplot.Axis(label=across, size=26, **look),
+        uplot.Axis(label=up, size=38, **look),
+    )

@@ -1,0 +1,75 @@
+"""A still of the scene, and a recording that opens in a browser without this program."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+import viser
+
+LONGEST = 120.0  # s of a recording: what is longer belongs in a bag
+RECORD, STOP = 'record', 'stop recording'
+
+
+class Saving:
+    """Buttons that save what a browser shows, through that browser."""
+
+    def __init__(self, server: viser.ViserServer, gui: viser.GuiApi) -> None:
+        """Add them to what is open of the GUI."""
+        self._server = server
+        self._recording: Any = None
+        self._begun = self._last = 0.0
+        gui.add_markdown('Both come as downloads; a recording opens without a server.')
+        still = gui.add_button('still (PNG)')
+        self._record = gui.add_button(RECORD)
+        still.on_click(self._still)
+        self._record.on_click(self._switch)
+
+    def _still(self, event: Any) -> None:
+        import imageio.v3
+
+        client = event.client
+        if client is None:
+            return
+        camera = client.camera
+        picture = client.get_render(
+            camera.image_height, camera.image_width, transport_format='png', timeout=60.0
+        )
+        content = imageio.v3.imwrite('<bytes>', on_white(picture), extension='.png')
+        client.send_file_download(name('png'), content, save_immediately=True)
+
+    def _switch(self, event: Any) -> None:
+        if self._recording is None:
+            self._begun = self._last = time.monotonic()
+            self._recording = self._server.get_scene_serializer()
+            self._record.label = STOP
+        else:
+            self._finish()
+
+    def _finish(self) -> None:
+        recording, self._recording = self._recording, None
+        self._record.label = RECORD
+        content = recording.as_html().encode()
+        self._server.send_file_download(name('html'), content, save_immediately=True)
+
+    def frame(self, now: float) -> None:
+        """Tell the recording how long it was since the frame before."""
+        recording = self._recording
+        if recording is None:
+            return
+        recording.insert_sleep(max(now - self._last, 0.0))
+        self._last = now
+        if now > self._begun + LONGEST:
+            self._finish()
+
+
+def on_white(picture: Any) -> Any:
+    """Return a picture (h, w, 4) with nothing to be seen through, (h, w, 3)."""
+    alpha = picture[..., 3:] / 255.0
+    return np.rint(alpha * picture[..., :3] + 255.0 * (1.0 - alpha)).astype(np.uint8)
+
+
+def name(kind: str) -> str:
+    """Return the name of a file of now."""
+    return f'muscle_{time.strftime("%Y%m%d_%H%M%S")}.{kind}'

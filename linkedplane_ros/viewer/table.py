@@ -1,0 +1,27 @@
+"""The bands in numbers: length, moment arm, wrap state, interference."""
+
+from __future__ import annotations
+
+from .newest import Facts, Values
+
+STATES = ('wrapped', 'clear', 'missed', 'inside')  # WrapState, 0 to 3
+CELL = 'style="padding:0 0.4em;text-align:right"'
+
+
+def table(facts: Facts, newest: Values, coordinate: int, interfering: set[int]) -> str:
+    """Return a muscle's bands as a table of HTML; mm."""
+    head = ('band', 'length', f'arm: {facts.coordinates[coordinate]}', '', '')
+    rows = [''.join(f'<th {CELL}>{each}</th>' for each in head)]
+    for i, band in enumerate(facts.bands):
+        cells = [band, '', '', '', '']
+        if newest.lengths is not None and i < len(newest.lengths):
+            cells[1] = f'{1e3 * newest.lengths[i]:.1f}'
+        if newest.arms is not None and i < len(newest.arms):
+            cells[2] = f'{1e3 * newest.arms[i, coordinate]:.1f}'
+        if newest.wrap is not None and i < len(newest.wrap):
+            cells[3] = STATES[newest.wrap[i]]
+        if i in interfering:
+            cells[4] = '<b style="color:rgb(219,20,61)">interferes</b>'
+        rows.append(''.join(f'<td {CELL}>{each}</td>' for each in cells))
+    body = ''.join(f'<tr>{row}</tr>' for row in rows)
+    return f'<table style="font-size:0.75em;padding:0.5em">{body}</table><small>&emsp;in mm</small>'
