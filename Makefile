@@ -24,7 +24,7 @@ view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and m
 	@$(BIN)/muscle_viewer --node
 
 test: .venv/.rivals check workspace  ## run all checks and tests
-	$(BIN)/python -m pytest -m 'not workspace' --numprocesses 2
+	$(BIN)/python -m pytest -m 'not workspace' --numprocesses 2 --dist loadgroup
 
 bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node beside a pass-through
 	@$(BIN)/python bench/bench.py

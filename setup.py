@@ -25,6 +25,7 @@ test = [
     'hypothesis',
     'jsonschema',
     'mypy',
+    'playwright',
     'pytest',
     'pytest-xdist',
     'ruff',

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import socket
 from collections.abc import Iterator
+from threading import Event, Thread
 
 import numpy as np
 import pytest
@@ -26,14 +27,24 @@ STILL = np.zeros(3)
 MARKERS, LENGTHS = 'visualization_msgs/msg/MarkerArray', 'std_msgs/msg/Float64MultiArray'
 
 
+@contextlib.contextmanager
+def running(viewer: ViewerNode) -> Iterator[ViewerNode]:
+    """Run the viewer's node in a thread of its own, as the executable does."""
+    ended = Event()
+    thread = Thread(target=viewer.spin, args=(lambda: not ended.is_set(),))
+    thread.start()
+    yield viewer
+    ended.set()
+    thread.join()
+    viewer.destroy_node()
+
+
 @pytest.fixture
 def viewer(peer: Peer, node: MuscleStatePublisher) -> Iterator[ViewerNode]:
     """Run the viewer's node beside the muscle node, until it has been told what that is."""
-    made = ViewerNode()
-    with together(peer, made):
-        assert peer.until(lambda: facts_of(made) is not None and learnt(made))
+    with running(ViewerNode()) as made:
+        assert peer.until(lambda: learnt(made))
         yield made
-    made.destroy_node()
 
 
 def facts_of(viewer: ViewerNode) -> Facts | None:
@@ -41,9 +52,10 @@ def facts_of(viewer: ViewerNode) -> Facts | None:
 
 
 def learnt(viewer: ViewerNode) -> bool:
-    facts = facts_of(viewer)
-    reader = viewer.readers['/deltoid']
-    return facts is not None and reader.publisher.get_subscription_count() > 0
+    if facts_of(viewer) is None:
+        return False
+    publisher = viewer.readers['/deltoid'].publisher
+    return publisher is not None and publisher.get_subscription_count() > 0
 
 
 def values(viewer: ViewerNode) -> Values:
@@ -78,6 +90,7 @@ def test_an_arm_that_is_moved_is_answered_and_shown(viewer: ViewerNode, peer: Pe
     np.testing.assert_array_equal(newest.lengths, state.lengths)
     # another product of the same matrices: rounding
     np.testing.assert_allclose(newest.arms, state.moment_vectors @ THESIS.axes(angles), atol=1e-12)
+    assert newest.pose == pytest.approx(angles)
     assert newest.angles == pytest.approx(angles)
     assert peer.until(lambda: values(viewer).wrap is not None)
     np.testing.assert_array_equal(values(viewer).wrap, state.wrap)
@@ -138,8 +151,8 @@ def test_another_publisher_of_joint_states_is_noticed(viewer: ViewerNode, peer: 
 def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
     peer: Peer, ros: None
 ) -> None:
-    first, viewer = MuscleStatePublisher(), ViewerNode()
-    with together(peer, viewer):
+    first = MuscleStatePublisher()
+    with running(ViewerNode()) as viewer:
         with together(peer, first):
             assert peer.until(lambda: bool(viewer.readers) and values(viewer).present)
         first.destroy_node()
@@ -151,7 +164,6 @@ def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
             peer.until(lambda: move(viewer, (0.1, 0.2, 0.3)) or values(viewer).answered > before)
             assert values(viewer).answered > before
         second.destroy_node()
-    viewer.destroy_node()
 
 
 # Arguments

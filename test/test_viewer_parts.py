@@ -311,7 +311,7 @@ def test_only_the_newest_is_handed_over_and_markers_once() -> None:
     fresh = Event()
     newest = Newest(fresh)
     for k in range(100):
-        newest.put_answer(np.full(9, k), None)
+        newest.put_answer(None, lengths=np.full(9, k))
         newest.put_markers(bytes([k]))
     assert fresh.is_set()
     _, values, messages = newest.take()

@@ -90,7 +90,9 @@ class Values:
     wrap: npt.NDArray[np.uint8] | None = None
     """(n,)"""
     angles: Floats | None = None
-    """(3,) rad: those that the lengths belong to, where that is known."""
+    """(3,) rad: the newest."""
+    pose: Floats | None = None
+    """(3,) rad: the angles that lengths and arms belong to; None where they were missed."""
     answered: int = 0
     """How many states have come."""
     present: bool = False
@@ -116,10 +118,10 @@ class Newest:
             self._values = replace(self._values, **values)
         self._fresh.set()
 
-    def put_answer(self, lengths: Floats, angles: Floats | None) -> None:
-        """Take in lengths (n,), m, and the angles (3,), rad, that they belong to."""
+    def put_answer(self, pose: Floats | None, **values: Any) -> None:
+        """Take in the values of a state and the angles (3,), rad, that they belong to."""
         with self._lock:
-            self.put(lengths=lengths, angles=angles, answered=self._values.answered + 1)
+            self.put(pose=pose, answered=self._values.answered + 1, **values)
 
     def put_markers(self, message: bytes) -> None:
         """Take a serialised MarkerArray in."""

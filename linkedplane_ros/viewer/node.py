@@ -60,6 +60,8 @@ class MuscleReader:
         self.newest = Newest(fresh)
         self.publisher: Publisher | None = None
         self.taken = 0
+        self._pending: dict[str, Any] = {}
+        self._states: JointState | None = None
         self._node = node
         self._prefix = prefix
         self._labels: tuple[tuple[str, ...], tuple[str, ...]] | None = None
@@ -106,17 +108,13 @@ class MuscleReader:
             self._labels = names[1], names[0]
             self._answer = None  # the node has changed: ask it again
             self._tell()
-        self.newest.put(arms=np.array(message.data).reshape(-1, 3))
+        self._pending['arms'] = np.array(message.data).reshape(-1, 3)
 
     def _take_states(self, message: JointState) -> None:
-        stamp = message.header.stamp
-        angles = self._poses.get((stamp.sec, stamp.nanosec))
-        if angles is None and self._poses:
-            angles = next(reversed(self._poses.values()))
-        self.newest.put_answer(np.array(message.position), angles)
+        self._states = message
 
     def _take_wrap(self, message: UInt8MultiArray) -> None:
-        self.newest.put(wrap=np.array(message.data, np.uint8))
+        self._pending['wrap'] = np.array(message.data, np.uint8)
 
     def _take_joints(self, message: JointState) -> None:
         if self._memory is None:
@@ -124,8 +122,19 @@ class MuscleReader:
         with suppress(Rejected):
             angles, _, _ = self._memory.take(message.name, message.position, message.velocity)
             self._poses[message.header.stamp.sec, message.header.stamp.nanosec] = np.array(angles)
+            self.newest.put(angles=np.array(angles))
         while len(self._poses) > POSES_KEPT:
             self._poses.popitem(last=False)
+
+    def hand_over(self) -> None:
+        """Hand over what has come since the last time, all at once: it belongs together."""
+        if self._states is not None:
+            stamp = self._states.header.stamp
+            self._pending['lengths'] = np.array(self._states.position)
+            pose = self._poses.get((stamp.sec, stamp.nanosec))
+            self._states = None
+            self.newest.put_answer(pose, **self._pending)
+            self._pending = {}
 
     def _tell(self) -> None:
         """Let it be known what the muscle is, as far as that is known."""
@@ -246,5 +255,7 @@ class ViewerNode(Node):
                 before = -1
                 while before != (before := sum(each.taken for each in self.readers.values())):
                     executor.spin_once(timeout_sec=0.0)
+                for reader in self.readers.values():
+                    reader.hand_over()
                 time.sleep(max(woken + FRAME - time.monotonic(), 0.0))
         executor.shutdown()

@@ -18,7 +18,7 @@ RATE = 60  # rows a second at most
 FRESH = 0.08  # s between drawings of a plot
 DEGREES = (-180.0, 180.0, 1.0)
 TIME, COORDINATE = 'time', 'coordinate'
-HEIGHT = 132  # px
+HEIGHT = 120  # px
 MILLIMETRES = 1e3
 DASH = (6, 4)  # px, of the second muscle's lines
 
@@ -48,10 +48,10 @@ class Plots:
         count = sum(len(facts.heads) for facts in self._facts)
         self._recent = Recent(4 * count, round(SPAN * RATE))
         self._curves = self._fresh_curves()
-        self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
         self._lines = lines_of(muscles)
         self._place = gui.add_folder(None)
         self._plots: list[Any] = []
+        self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
         clear = gui.add_button('clear the plots')
         clear.on_click(lambda _: self._clear())
 
@@ -89,8 +89,8 @@ class Plots:
             lengths, arms = numbers(facts, values)
             row = np.column_stack((lengths, arms)).ravel()  # length and three arms of each head
             rows.append(row)
-            if values.angles is not None:
-                for curve, angle in zip(curves, np.degrees(values.angles).tolist(), strict=True):
+            if values.pose is not None:
+                for curve, angle in zip(curves, np.degrees(values.pose).tolist(), strict=True):
                     curve.add(angle, row)
         self._recent.add(now - self._begin, np.concatenate(rows))
 

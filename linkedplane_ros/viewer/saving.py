@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import viser
 
+HEIGHT = 1080  # px of a still
 LONGEST = 120.0  # s of a recording: what is longer belongs in a bag
 RECORD, STOP = 'record', 'stop recording'
 
@@ -33,9 +34,8 @@ class Saving:
         if client is None:
             return
         camera = client.camera
-        picture = client.get_render(
-            camera.image_height, camera.image_width, transport_format='png', timeout=60.0
-        )
+        width = round(HEIGHT * camera.image_width / camera.image_height)
+        picture = client.get_render(HEIGHT, width, transport_format='png', timeout=60.0)
         content = imageio.v3.imwrite('<bytes>', on_white(picture), extension='.png')
         client.send_file_download(name('png'), content, save_immediately=True)
 
