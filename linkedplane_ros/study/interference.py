@@ -14,11 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..definition import METRES
+from ..interference import depths
 from ..model import BroadMuscle
 from ..model_file import interference_spheres
 from ..sections import parsed, text_of
 from .experiments import Experiment, simulate_all
-from .planes import routes
 
 Floats = npt.NDArray[np.float64]
 
@@ -94,16 +94,16 @@ class Checks:
         return np.asarray(np.max([each.max(axis=(0, 2)) for each in self.depths], axis=0))
 
     def _entries(self) -> Iterator[Entry]:
-        for one, depths, points in zip(self.experiments, self.depths, self.points, strict=True):
+        for one, deep, points in zip(self.experiments, self.depths, self.points, strict=True):
             names = one.states.solver.muscle.band_names
-            for at, band, sphere in np.argwhere(depths >= 0.0).tolist():
+            for at, band, sphere in np.argwhere(deep >= 0.0).tolist():
                 x, y, z = points[at, band, sphere].tolist()
                 yield Entry(
                     one.motion.name,
                     float(one.angles[at]),
                     names[band],
                     self.spheres[sphere],
-                    float(depths[at, band, sphere]),
+                    float(deep[at, band, sphere]),
                     (x, y, z),
                     int(one.states.wrap[at, band]),
                 )
@@ -111,19 +111,13 @@ class Checks:
 
 def check(experiments: Sequence[Experiment]) -> Checks:
     """Check all poses of the experiments for the interference spheres of their muscle."""
-    depths, points = [], []
+    entered, nearest = [], []
     muscle = experiments[0].states.solver.muscle
-    centres, radii = muscle.interference_centres, muscle.interference_radii
     for one in experiments:
-        shape = (len(one.angles), len(muscle.band_names), len(radii))
-        distance, nearest = np.empty(shape), np.empty((*shape, 3))
-        for at, state in enumerate(one.states):
-            for band, route in enumerate(routes(state)):
-                for sphere, centre in enumerate(centres):
-                    distance[at, band, sphere], nearest[at, band, sphere] = route.nearest(centre)
-        depths.append(radii - distance)
-        points.append(nearest)
-    return Checks(experiments, muscle.interference_names, depths, points)
+        found = [depths(state) for state in one.states]
+        entered.append(np.array([depth for depth, _ in found]))
+        nearest.append(np.array([places for _, places in found]))
+    return Checks(experiments, muscle.interference_names, entered, nearest)
 
 
 def check_reading(muscle: BroadMuscle, reading: str) -> Checks:

@@ -10,11 +10,11 @@ import numpy.typing as npt
 from ..bones import BONE, SHAFT_RADIUS, shaft_axis
 from ..colours import HEAD_COLOURS
 from ..model import BroadMuscle
+from ..planes import patches
 from ..plot import shades
 from ..solver import MuscleState
 from .attachments import Attachments
 from .interference import Entry
-from .planes import normals
 from .scene import SMALL, Colour, Scene, apart, fine
 
 if TYPE_CHECKING:
@@ -89,12 +89,9 @@ def add_obstacles(scene: Scene, state: MuscleState) -> None:
 def add_planes(scene: Scene, state: MuscleState, alpha: float = 0.12) -> None:
     """Add each band's plane: as much of it as lies about the band."""
     muscle = state.solver.muscle
-    drawn = zip(
-        muscle.origins, state.insertions, normals(state), state.paths(17), band_colours(muscle),
-        strict=True,
-    )  # fmt: skip
-    for P, S, n, path, colour in drawn:
-        e = np.cross(S - P, n) / np.linalg.norm(S - P)
+    drawn = zip(patches(state, 1.0), state.paths(17), band_colours(muscle), strict=True)
+    for (P, S, _, aside), path, colour in drawn:
+        e = aside - P
         above = (float(((path - P) @ e).max()) + ABOVE) * e
         corners = np.array((P - BELOW * e, P + above, S + above, S - BELOW * e))
         scene.sheet(corners, colour, alpha)
