@@ -239,7 +239,9 @@ def test_every_method_is_looked_at_over_every_motion(rows: list[breadth.Breadth]
         assert row.breadth_least <= row.breadth_most
         shares = (row.wrapped, row.missed, row.inside, row.crossed, row.in_bone)
         assert all(0.0 <= share <= 1.0 for share in shares)
-        assert np.isfinite((row.slip, row.length_jump, row.moment_jump, row.deepest)).all()
+        assert np.isfinite(
+            (row.move, row.slip, row.length_jump, row.moment_jump, row.deepest)
+        ).all()
 
 
 def test_the_same_comparison_says_the_same(rows: list[breadth.Breadth]) -> None:

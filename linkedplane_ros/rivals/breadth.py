@@ -11,13 +11,15 @@ a quarter, half and three quarters of its length from its origin:
   other side of the other than at its origin, and than at its insertion; straight lines never do.
   (The order by angle about the joint's centre, or about the muscle's line, would be no measure: the
   deltoid's row of origins is a horseshoe, seen folded from the front whatever the method.);
-* *slip*: how far the middle of a band moves from a pose to the next, over the angle between them
-  (where it jumps, that is the jump over the step);
+* *move*: the farthest that the middle of a band moves from a pose to the next, half a degree on by
+  default (there is no telling how fast: round a sphere the middle may move without bound as a band
+  comes to lie across it);
+* *slip*: how fast the middle of a band moves as the joint turns, all but the fastest hundredth;
 * *jump*: what is left of a change of length, beyond what the moment vectors explain, and of a
   change of a moment vector, as two poses come together;
 * *in bone*: below the surface of a bone sphere of the model file (thesis Table 5.1).
 
-Where a band is INSIDE its obstacle it has no path. Its share is counted; slip and jumps leave it
+Where a band is INSIDE its obstacle it has no path. Its share is counted; moves and jumps leave it
 out, the other measures take the straight line.
 """
 
@@ -43,6 +45,7 @@ POINTS = 10  # of an arc, where places on it are looked for
 LOOKED_AT = 3  # changes, the largest of each sweep, that may be jumps
 FINER = 8  # parts into which a step is divided, and
 LEVELS = 8  # how often
+USUAL = 0.99  # of the speeds, the slower ones
 TOGETHER = 1e-6  # m: bands no farther apart are one
 
 
@@ -61,8 +64,10 @@ class Breadth:
     breadth_most: float
     crossed: float
     """Share of the poses at which any two neighbours are crossed."""
+    move: float
+    """The farthest, m."""
     slip: float
-    """The fastest, m/rad."""
+    """m/rad"""
     length_jump: float
     """The largest, m."""
     moment_jump: float
@@ -127,7 +132,8 @@ def measured(muscle: BroadMuscle, method: Method, motion: str, sweeps: Sequence[
         breadth_least=float(wide.min()),
         breadth_most=float(wide.max()),
         crossed=share(crossed(places, ways, lines).any(axis=(1, 2))),
-        slip=float(speeds.max()),
+        move=float(moves[neighbours].max()),
+        slip=float(np.quantile(speeds, USUAL)),
         length_jump=largest_jump(*given, unexplained),
         moment_jump=largest_jump(*given, moment_change),
         wrapped=share(states.wrap == WRAPPED),

@@ -27,6 +27,7 @@ from .pictures import (
     band_colours,
     named_bands,
     number_bands,
+    number_bone,
     number_obstacles,
 )
 from .scene import FRONTAL, LATERAL, POSTERIOR, SUPERIOR, TOP_BACK, Scene, View, frame
@@ -160,7 +161,8 @@ def entries(readings: Mapping[str, tuple[Subject, Checks]]) -> Figure:
             adds = (add_bones, add_bands, add_attachments, partial(add_entries, entries=there))
             state, middle = subject.at(motion, degrees), (0.012, 0.0, -0.025)
             words = f'{name}\n{title}, {view.name}'
-            panels.append(Panel(words, state, view, middle, 0.125, adds))
+            numbers = (number_bands, number_bone)
+            panels.append(Panel(words, state, view, middle, 0.125, adds, numbers))
     return page(panels, columns=4, height=2.2, title=0.32)
 
 

@@ -133,6 +133,16 @@ def number_obstacles(axes: Axes, scene: Scene, state: MuscleState) -> None:
     _number(axes, muscle, places, rims)
 
 
+def number_bone(axes: Axes, scene: Scene, state: MuscleState) -> None:
+    """Write the number of each interference sphere at the top of its rim."""
+    muscle = state.solver.muscle
+    rims = scene.view.seen(muscle.interference_centres)[:, :2].copy()
+    rims[:, 1] += muscle.interference_radii
+    for name, (x, y) in zip(muscle.interference_names, (1e3 * rims).tolist(), strict=True):
+        axes.text(x, y, f'sphere {name.rpartition("_")[2]}', size=SMALL, style='italic',
+                  ha='center', va='center', color='0.25', bbox=PAPER)  # fmt: skip
+
+
 def _number(axes: Axes, muscle: BroadMuscle, places: Floats, things: Floats) -> None:
     """Write the bands' numbers at places (n, 2), m in the picture; a line leads to the thing."""
     drawn = zip(places, things, band_colours(muscle), strict=True)

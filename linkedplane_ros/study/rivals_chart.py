@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -18,19 +17,19 @@ APART = 0.22  # rows, between them
 
 
 def rivals(found: Sequence[Breadth]) -> Figure:
-    """Slip, jumps, spacing and crossed poses of every method over every set of motions."""
+    """Return moves, jumps, spacing and crossed poses of every method and set of motions."""
     from matplotlib.figure import Figure
 
     methods = list(dict.fromkeys(each.method for each in found))
     motions = list(dict.fromkeys(each.motion for each in found))
     figure = Figure(figsize=(WIDTH, 0.9 + 0.32 * len(methods)))
-    slip, length, moment, spacing, crossed = figure.subplots(1, 5, sharey=True)
+    move, length, moment, spacing, crossed = figure.subplots(1, 5, sharey=True)
     for each in found:
         place = motions.index(each.motion)
         marker, colour = MARKERS[place % len(MARKERS)]
         row = methods.index(each.method) + APART * (place - (len(motions) - 1) / 2)
         style = {'marker': marker, 'color': colour, 'markersize': 3.2, 'linestyle': 'none'}
-        slip.plot(math.radians(MILLIMETRES * each.slip), row, **style,
+        move.plot(MILLIMETRES * each.move, row, **style,
                   label=each.motion if each.method == methods[0] else None)  # fmt: skip
         length.plot(MILLIMETRES * each.length_jump, row, **style)
         moment.plot(MILLIMETRES * each.moment_jump, row, **style)
@@ -40,7 +39,7 @@ def rivals(found: Sequence[Breadth]) -> Figure:
         spacing.plot([each.spacing_least, each.spacing_most], [row] * 2, **style)
         crossed.plot(100.0 * each.crossed, row, **style)
     for axes, label in (
-        (slip, 'fastest middle\nof a band (mm/deg)'),
+        (move, 'farthest move of a\nmiddle in 0.5° (mm)'),
         (length, 'largest jump\nof a length (mm)'),
         (moment, 'largest jump of a\nmoment arm (mm)'),
         (spacing, 'spacing of neighbours\nover that at the side'),
@@ -52,15 +51,15 @@ def rivals(found: Sequence[Breadth]) -> Figure:
         axes.set_axisbelow(True)
         for row in range(1, len(methods)):
             axes.axhline(row - 0.5, color='0.9', linewidth=0.5, zorder=0.5)
-    slip.set_xscale('log')
-    slip.set_xlim(0.6, 400.0)
+    move.set_xscale('log')
+    move.set_xlim(0.3, 200.0)
     spacing.set_xscale('log')
     spacing.set_xlim(0.08, 10.0)
     for axes in (length, moment):
         axes.set_xscale('symlog', linthresh=1.0)
         axes.set_xlim(-0.4, 250.0)
     for axes, ticks in (
-        (slip, (1, 10, 100)),
+        (move, (1, 10, 100)),
         (length, (0, 1, 10, 100)),
         (moment, (0, 1, 10, 100)),
         (spacing, (0.1, 0.3, 1, 3, 10)),
@@ -68,8 +67,8 @@ def rivals(found: Sequence[Breadth]) -> Figure:
         axes.set_xticks(ticks, [f'{tick:g}' for tick in ticks])
         axes.minorticks_off()
     crossed.set_xlim(-4.0, 100.0)
-    slip.set_yticks(range(len(methods)), methods)
-    slip.set_ylim(len(methods) - 0.5, -0.5)
-    figure.legend(*slip.get_legend_handles_labels(), loc='lower center', ncols=3, frameon=False)
+    move.set_yticks(range(len(methods)), methods)
+    move.set_ylim(len(methods) - 0.5, -0.5)
+    figure.legend(*move.get_legend_handles_labels(), loc='lower center', ncols=3, frameon=False)
     figure.subplots_adjust(0.19, 0.86 / figure.get_figheight(), 0.985, 0.985, wspace=0.12)
     return figure
