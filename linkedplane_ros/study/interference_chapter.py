@@ -55,7 +55,7 @@ def chapter(subject: Subject) -> Chapter:
         Picture(
             'interference_where',
             """Where: black is the part of a band within bone, white dots are the points nearest to
-            the centres of the spheres that it enters.""",
+            the centres of the spheres that it enters; S4 is sphere 4.""",
             lambda: figures.entries({name: (readings[name], found[name]) for name in pictured}),
         ),
         _entries(found),

@@ -134,13 +134,15 @@ def number_obstacles(axes: Axes, scene: Scene, state: MuscleState) -> None:
 
 
 def number_bone(axes: Axes, scene: Scene, state: MuscleState) -> None:
-    """Write the number of each interference sphere at the top of its rim."""
+    """Write the number of each interference sphere, S4, at its rim away from the others."""
     muscle = state.solver.muscle
-    rims = scene.view.seen(muscle.interference_centres)[:, :2].copy()
-    rims[:, 1] += muscle.interference_radii
-    for name, (x, y) in zip(muscle.interference_names, (1e3 * rims).tolist(), strict=True):
-        axes.text(x, y, f'sphere {name.rpartition("_")[2]}', size=SMALL, style='italic',
-                  ha='center', va='center', color='0.25', bbox=PAPER)  # fmt: skip
+    centres = scene.view.seen(muscle.interference_centres)[:, :2]
+    away = centres - centres.mean(axis=0) - (0.0, 1e-3)
+    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-6)
+    places = 1e3 * (centres + (muscle.interference_radii[:, np.newaxis] - 0.5 * ASIDE) * away)
+    for name, (x, y) in zip(muscle.interference_names, places.tolist(), strict=True):
+        axes.text(x, y, f'S{name.rpartition("_")[2]}', size=SMALL, style='italic', ha='center',
+                  va='center', color='0.2')  # fmt: skip
 
 
 def _number(axes: Axes, muscle: BroadMuscle, places: Floats, things: Floats) -> None:
