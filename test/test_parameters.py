@@ -60,6 +60,7 @@ WRONG: list[tuple[str, Any, str]] = [
     ('frame_id', 7, 'text expected'),
     ('markers.enabled', 1, 'true or false expected'),
     ('markers.enabled', 'yes', 'true or false expected'),
+    ('markers.details', 1, 'true or false expected'),
     ('markers.rate', -1.0, '0 to 10000 expected'),
     ('markers.rate', 1e6, '0 to 10000 expected'),
     ('markers.rate', math.nan, 'a finite number, as 30.0 expected'),
