@@ -12,7 +12,7 @@ endif
 unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
 unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo view test bench soak check workspace clean
+.PHONY: help demo view test browser bench soak check workspace clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
@@ -24,7 +24,11 @@ view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and m
 	@$(BIN)/muscle_viewer --node
 
 test: .venv/.rivals check workspace  ## run all checks and tests
-	$(BIN)/python -m pytest -m 'not workspace' --numprocesses 2 --dist loadgroup
+	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2
+
+# They wait for a browser that draws without a graphics card: beside other work they run late.
+browser: .venv/.made  ## test the viewer in Chromium, alone on the machine
+	$(BIN)/python -m pytest -m browser
 
 bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node beside a pass-through
 	@$(BIN)/python bench/bench.py
