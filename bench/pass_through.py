@@ -27,7 +27,7 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from linkedplane_ros import qos  # noqa: E402
 from linkedplane_ros.conversions import Answers  # noqa: E402
 from linkedplane_ros.markers import MuscleMarkers  # noqa: E402
-from linkedplane_ros.node import OUTPUTS  # noqa: E402
+from linkedplane_ros.muscle_outputs import OUTPUTS  # noqa: E402
 from linkedplane_ros.shapes import Pace  # noqa: E402
 
 

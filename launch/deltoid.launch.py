@@ -10,7 +10,7 @@ from launch import LaunchDescription
 
 PLACE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')
 ARGUMENTS = (
-    ('muscle', 'deltoid', 'A bundled model, or the path of a model file (.yaml).'),
+    ('muscle', 'deltoid', 'A bundled model or the path of a model file (.yaml); or [a list].'),
     ('side', 'right', "The shoulder's side: right or left."),
     ('namespace', '', 'The namespace of the node, its topics and the recording played.'),
     ('joint_states', 'joint_states', 'The topic of the joint states.'),

@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from .joint_input import REASONS
 from .solver import MuscleState, WrapState
@@ -20,7 +19,7 @@ STALE_AFTER = 3.0  # s without input
 
 @dataclass
 class Tally:
-    """Counts and times of the messages so far."""
+    """Counts and times of a muscle's messages so far."""
 
     received: int = 0
     answered: int = 0
@@ -73,10 +72,10 @@ def milliseconds(times: deque[float]) -> dict[str, str]:
     return {name: f'{1e3 * value:.3f}' for name, value in figures.items()}
 
 
-def diagnostics(
-    tally: Tally, name: str, hardware_id: str, stamp: Time, now: float, facts: Mapping[str, str]
-) -> DiagnosticArray:
-    """Return the node's status. `now`, on the clock of the tally's times, in s."""
+def status(
+    tally: Tally, name: str, hardware_id: str, now: float, facts: Mapping[str, str]
+) -> DiagnosticStatus:
+    """Return a muscle's status. `now`, on the clock of the tally's times, in s."""
     level, line = tally.level(now)
     values = dict(facts)
     values['messages received'] = str(tally.received)
@@ -95,13 +94,10 @@ def diagnostics(
         for wrap in WrapState:
             count = int((tally.last_state.wrap == wrap).sum())
             values[f'bands {wrap.name.lower()}'] = str(count)
-    status = DiagnosticStatus(
+    return DiagnosticStatus(
         level=level,
         name=name,
         message=line,
         hardware_id=hardware_id,
         values=[KeyValue(key=key, value=value) for key, value in values.items()],
     )
-    array = DiagnosticArray(status=[status])
-    array.header.stamp = stamp
-    return array

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import gc
 import sys
+from collections.abc import Sequence
 from threading import Timer
 from time import perf_counter
 from typing import Any
 
 import rclpy
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rclpy._rclpy_pybind11 import RCLError
@@ -20,44 +20,25 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, UInt8MultiArray
-from visualization_msgs.msg import MarkerArray
 
 from . import parameters, qos
 from .compiled import COMPILED
-from .conventions import NEAR_SINGULAR, sine_of_singularity
-from .conversions import Answers, Floats
-from .diagnostics import Tally, diagnostics
-from .joint_input import JointMemory, Rejected, Three
-from .markers import MuscleMarkers
-from .shapes import Pace
-from .solver import MuscleState
-
-OUTPUTS = {
-    'band_lengths': Float64MultiArray,
-    'moment_arms': Float64MultiArray,
-    'band_states': JointState,
-    'wrap_states': UInt8MultiArray,
-    'moment_vectors': Float64MultiArray,
-    'markers': MarkerArray,
-}
-STILL = (0.0, 0.0, 0.0)  # rad/s
-THROTTLE = 5.0  # s between lines on rejected messages
+from .joint_input import JointMemory, Rejected
+from .muscle_outputs import THROTTLE, MuscleOutputs
 
 
 class MuscleStatePublisher(Node):
-    """Answers every accepted JointState with the state of the muscle."""
+    """Answers every accepted JointState with the state of each muscle."""
 
     def __init__(self, **kwargs: Any) -> None:
         """Declare parameters and topics; ValueError where a parameter cannot be used."""
         super().__init__('muscle_state_publisher', **kwargs)
-        self._tally = Tally()
-        self._viewers = 0
-        self._outputs: dict[str, Any] = {}
-        self._cleared = False
+        self._muscles: Sequence[MuscleOutputs] = ()
+        self._misfits: list[str] = []
         settings = self._declared()
-        with qos.overrides_in_one_line():
-            self._apply(settings, self._made_outputs(settings))
+        for text, fault in settings.left_out.items():
+            self.get_logger().error(f'muscle {text} is left out: {fault}')
+        self._apply(settings, self._with_topics(settings))
         self._diagnostics = self.create_publisher(
             DiagnosticArray,
             '/diagnostics',
@@ -77,9 +58,9 @@ class MuscleStatePublisher(Node):
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                 qos_overriding_options=qos.overridable(),
             )
-        settings = self._settings
         self.get_logger().info(
-            f'{settings.solver.muscle.name}, {settings.solver.side} shoulder; '
+            f'{", ".join(muscle.name for muscle in self._muscles)}, '
+            f'{settings.solvers[0].side} shoulder; '
             f'{settings.convention.name}: {settings.convention.formula}; '
             f'joints {", ".join(settings.joints.names)}, humerus against scapula, rad'
         )
@@ -100,56 +81,46 @@ class MuscleStatePublisher(Node):
         finally:
             notice.cancel()
 
-    def _apply(self, settings: parameters.Settings, outputs: dict[str, Any]) -> None:
-        """Work with these settings from now on, and publish there."""
-        gone = outputs is not self._outputs and self._outputs
-        if self._cleared and (gone or not settings.markers_enabled):  # leave no muscle behind
-            self._outputs['markers'].publish(self._markers.clear(self._last_stamp))
-        for publisher in gone.values() if gone else ():
-            self.destroy_publisher(publisher)
-        memory = getattr(self, '_memory', None)
-        if memory is None or memory.joints != settings.joints:
+    def _apply(self, settings: parameters.Settings, muscles: Sequence[MuscleOutputs]) -> None:
+        """Work with these settings from now on, and answer with these muscles."""
+        if len(muscles) == len(self._muscles) == 1:  # another one in its place goes on counting
+            muscles[0].tally = self._muscles[0].tally
+        for gone in self._muscles:
+            if gone not in muscles:
+                gone.close()
+        if not hasattr(self, '_memory') or self._memory.joints != settings.joints:
             self._memory = JointMemory(settings.joints)
-        muscle = settings.solver.muscle
-        self._settings, self._outputs, self._cleared = settings, outputs, False
-        self._tally.last_state = None  # that of other settings
-        self._markers = MuscleMarkers(
-            muscle, settings.frame_id, settings.markers_points, settings.markers_details
-        )
-        self._pace = Pace(settings.markers_rate)
-        self._answers = Answers(
-            muscle.band_names, settings.convention.coordinates, settings.frame_id
-        )
+        self._settings, self._muscles = settings, muscles
+        logger = self.get_logger()
+        for muscle, solver in zip(muscles, settings.solvers, strict=True):
+            own = logger if len(muscles) == 1 else logger.get_child(muscle.name)
+            muscle.apply(settings, solver, own)
 
-    def _made_outputs(self, settings: parameters.Settings) -> dict[str, Any]:
-        """Return the publishers, named after the muscle; those there are if it has the name."""
-        name = settings.solver.muscle.name
-        if self._outputs and self._settings.solver.muscle.name == name:
-            return self._outputs
-        made: dict[str, Any] = {}
+    def _with_topics(self, settings: parameters.Settings) -> list[MuscleOutputs]:
+        """Return the muscles of the settings; those there are where they have the name."""
+        there = {muscle.name: muscle for muscle in self._muscles}
+        names = [solver.muscle.name for solver in settings.solvers]
+        made: dict[str, MuscleOutputs] = {}
         try:
-            for topic, kind in OUTPUTS.items():
-                made[topic] = self.create_publisher(
-                    kind,
-                    f'{name}/{topic}',
-                    qos.markers() if topic == 'markers' else qos.answers(),
-                    event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-                    qos_overriding_options=qos.overridable(),
-                )
-        except RuntimeError:
-            for publisher in made.values():
-                self.destroy_publisher(publisher)
+            with qos.overrides_in_one_line():
+                for name in names:
+                    if name not in there:
+                        made[name] = MuscleOutputs(self, name)
+        except ValueError:
+            for muscle in made.values():
+                muscle.close()
             raise
-        return made
+        return [there.get(name) or made[name] for name in names]
 
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         """Accept a batch of parameter changes if the whole of it can be worked with."""
-        if not any(change.name in parameters.NAMES for change in changes):
+        names = {change.name for change in changes}
+        if names.isdisjoint(parameters.NAMES):
             return SetParametersResult(successful=True)
+        may_fail = () if 'muscle' in names else self._settings.left_out
         try:
-            settings = parameters.Settings.from_values(self._values(changes))
-            with qos.overrides_in_one_line():
-                self._candidate = settings, self._made_outputs(settings)
+            settings = parameters.Settings.from_values(self._values(changes), may_fail)
+            self._candidate = settings, self._with_topics(settings)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
@@ -165,95 +136,40 @@ class MuscleStatePublisher(Node):
         return values
 
     def _answer(self, message: JointState) -> None:
-        """Answer one joint state, or say why not."""
+        """Let each muscle answer one joint state, or say why it was not taken in."""
         start = perf_counter()
-        tally = self._tally
-        tally.received += 1
-        tally.last_arrival = start
         try:
             angles, speeds, warning = self._memory.take(
                 message.name, message.position, message.velocity
             )
-            state, arms, lengthening, axes = self._solve(angles, speeds or STILL)
         except Rejected as error:
-            tally.rejected[error.reason] += 1
-            tally.last_line = str(error)
+            for muscle in self._muscles:
+                muscle.reject(error, start)
             self.get_logger().warning(
                 f'joint state not used: {error}', throttle_duration_sec=THROTTLE
             )
             return
         if warning:
             self.get_logger().warning(warning, throttle_duration_sec=THROTTLE)
-        tally.solve_times.append(perf_counter() - start)
         stamp = message.header.stamp
-        outputs = self._outputs
-        for name, answer in self._answers.at(
-            stamp, state, arms, None if speeds is None else lengthening
-        ).items():
-            outputs[name].publish(answer)
-        if outputs['markers'].get_subscription_count() and self._pace.due(
-            stamp.sec + 1e-9 * stamp.nanosec, start
-        ):
-            self._show(state, stamp)
-        tally.answered += 1
-        tally.near_singular += sine_of_singularity(axes) < NEAR_SINGULAR
-        tally.last_state, self._last_stamp = state, stamp
-        tally.callback_times.append(perf_counter() - start)
-
-    def _solve(self, angles: Three, speeds: Three) -> tuple[MuscleState, Floats, Floats, Floats]:
-        """Return the muscle's state, moment arms, lengthening and the coordinates' axes."""
-        try:
-            return self._settings.solver.answer(self._settings.convention, angles, speeds)
-        except ValueError as error:
-            raise Rejected('no_plane', str(error)) from None
-
-    def _show(self, state: MuscleState, stamp: Time) -> None:
-        """Publish the markers of a state; before the first, remove any that were there."""
-        if not self._settings.markers_enabled:
-            return
-        if not self._cleared:
-            self._outputs['markers'].publish(self._markers.clear(stamp))
-            self._cleared = True
-        self._outputs['markers'].publish(self._markers.at(state, stamp))
-
-    def _show_again(self) -> None:
-        """Show the newest state to new viewers if no input is coming (a paused recording)."""
-        viewers, before = self._outputs['markers'].get_subscription_count(), self._viewers
-        self._viewers = viewers
-        state, arrival = self._tally.last_state, self._tally.last_arrival
-        if viewers > before and state and arrival and perf_counter() - arrival > 0.5:
-            self._show(state, self._last_stamp)
+        for muscle in self._muscles:
+            start = muscle.answer(stamp, angles, speeds, start)
 
     def _report(self) -> None:
         """Once a second: tell of peers that do not fit, new viewers, and the diagnostics."""
-        ends = (self._input, *self._outputs.values())
-        lines = [line for end in ends for line in qos.misfits(self, end)]
+        misfits = qos.misfits(self, self._input)
+        lines = list(misfits)
+        for muscle in self._muscles:
+            lines += muscle.look_at_peers(misfits)[len(misfits) :]
         for line in lines:
-            if line not in self._tally.misfits:
+            if line not in self._misfits:
                 self.get_logger().warning(line)
-        self._tally.misfits = lines
-        self._show_again()
-        settings = self._settings
-        muscle = settings.solver.muscle.name
-        facts = {
-            'muscle': muscle,
-            'scale': settings.scale,
-            'side': settings.solver.side,
-            'joint convention': settings.convention.name,
-            'rotation': settings.convention.formula,
-            'joints': ', '.join(settings.joints.names),
-            'compiled': 'yes' if COMPILED else 'no',
-        }
-        self._diagnostics.publish(
-            diagnostics(
-                self._tally,
-                f'{self.get_fully_qualified_name()[1:]}: {muscle}',
-                f'{muscle}, {settings.solver.side}',
-                self.get_clock().now().to_msg(),
-                perf_counter(),
-                facts,
-            )
-        )
+        self._misfits = lines
+        for muscle in self._muscles:
+            muscle.show_again()
+        array = DiagnosticArray(status=[muscle.status() for muscle in self._muscles])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)
 
 
 def main(args: list[str] | None = None) -> None:

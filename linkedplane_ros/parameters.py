@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,6 +34,8 @@ class ParameterSpec:
     choices: tuple[str, ...] = ()
     numbers: bool = False
     """A text that may be given as a number or numbers, too."""
+    several: bool = False
+    """A text that may be given as a list of texts, too."""
 
     @property
     def kind(self) -> Parameter.Type:
@@ -72,6 +74,11 @@ class ParameterSpec:
             if not all(finite_number(item) for item in items):
                 raise self._fault(value, 'numbers or text')
             return ','.join(repr(float(item)) for item in items)
+        if self.several and not isinstance(value, str):
+            items = list(value) if isinstance(value, Sequence) else []
+            if not items or not all(isinstance(item, str) for item in items):
+                raise self._fault(value, 'a text or a list of text')
+            return items
         if isinstance(self.default, (bool, str)):
             if type(value) is not type(self.default):
                 word = 'true or false' if isinstance(self.default, bool) else 'text'
@@ -114,7 +121,13 @@ def finite_number(value: Any) -> bool:
 
 
 SPECS = (
-    ParameterSpec('muscle', 'deltoid', 'A bundled model, or the path of a model file (.yaml).'),
+    ParameterSpec(
+        'muscle',
+        'deltoid',
+        'A bundled model, or the path of a model file (.yaml); or a list of them, of different '
+        'names.',
+        several=True,
+    ),
     ParameterSpec(
         'scale',
         '1',
@@ -166,7 +179,10 @@ NAMES = tuple(spec.name for spec in SPECS)
 class Settings:
     """All parameters, checked and turned into what the node works with."""
 
-    solver: LinkedPlaneSolver
+    solvers: tuple[LinkedPlaneSolver, ...]
+    """One a muscle, whose names all differ."""
+    left_out: Mapping[str, str]
+    """What was given for a muscle but cannot be used, each with the line that tells why."""
     scale: str
     convention: JointConvention
     joints: JointMap
@@ -177,8 +193,11 @@ class Settings:
     markers_details: bool
 
     @staticmethod
-    def from_values(values: Mapping[str, Any]) -> Settings:
-        """Build the settings of a whole set of parameters; ValueError names what is wrong."""
+    def from_values(values: Mapping[str, Any], may_fail: Collection[str] = ()) -> Settings:
+        """Build the settings of a whole set of parameters; ValueError names what is wrong.
+
+        Muscles that may fail are left out where they do, as long as another one is left.
+        """
         checked: dict[str, Any] = {spec.name: spec.checked(values[spec.name]) for spec in SPECS}
         convention = JOINT_CONVENTIONS[checked['joint_convention']]
         if any(abs(sign) != 1.0 for sign in checked['joint_signs']):
@@ -187,11 +206,12 @@ class Settings:
             )
         if not checked['frame_id']:
             raise ValueError("parameter frame_id: '' given, the name of a frame expected")
-        muscle = BroadMuscle.load(checked['muscle']).scaled(checked['scale'])
-        solver = LinkedPlaneSolver(muscle, checked['side'])
-        solver.answer(convention, STILL, STILL)  # compiled before it is needed
+        solvers, left_out = made(
+            listed(checked['muscle']), checked['scale'], checked['side'], convention, may_fail
+        )
         return Settings(
-            solver=solver,
+            solvers=solvers,
+            left_out=left_out,
             scale=checked['scale'],
             convention=convention,
             joints=JointMap(
@@ -205,6 +225,44 @@ class Settings:
             markers_points=checked['markers.points'],
             markers_details=checked['markers.details'],
         )
+
+
+def listed(muscle: Any) -> list[str]:
+    """Return what a value of the parameter `muscle` lists; nothing if it is no such value."""
+    items = [muscle] if isinstance(muscle, str) else muscle
+    return [str(item) for item in items] if isinstance(items, Sequence) else []
+
+
+def made(
+    muscles: Sequence[str],
+    scale: str,
+    side: str,
+    convention: JointConvention,
+    may_fail: Collection[str],
+) -> tuple[tuple[LinkedPlaneSolver, ...], dict[str, str]]:
+    """Return the muscles' solvers, and why those that may fail are not among them."""
+    solvers: dict[str, LinkedPlaneSolver] = {}
+    given: dict[str, str] = {}
+    left_out: dict[str, str] = {}
+    for text in muscles:
+        try:
+            solver = LinkedPlaneSolver(BroadMuscle.load(text).scaled(scale), side)
+            solver.answer(convention, STILL, STILL)  # compiled before it is needed
+        except ValueError as error:
+            if text not in may_fail:
+                raise
+            left_out[text] = str(error)
+            continue
+        name = solver.muscle.name
+        if name in solvers:
+            raise ValueError(
+                f'parameter muscle: {given[name]!r} and {text!r} are both named {name}, the prefix '
+                'of their topics; different names expected'
+            )
+        solvers[name], given[name] = solver, text
+    if not solvers:
+        raise ValueError('; '.join(dict.fromkeys(left_out.values())))
+    return tuple(solvers.values()), left_out
 
 
 def markdown() -> str:
@@ -221,6 +279,8 @@ def markdown() -> str:
 def declare(node: Node) -> Settings:
     """Declare every parameter on a node and return the settings; ValueError as from_values.
 
+    Any muscle may fail as long as another one is left.
+
     The values are checked here before their descriptors are: rclpy's own complaint about a value
     out of range does not name it.
     """
@@ -228,7 +288,7 @@ def declare(node: Node) -> Settings:
     values = {
         spec.name: node.declare_parameter(spec.name, spec.default, free).value for spec in SPECS
     }
-    settings = Settings.from_values(values)
+    settings = Settings.from_values(values, may_fail=listed(values['muscle']))
     for spec in SPECS:
         node.set_descriptor(spec.name, spec.descriptor())
     return settings

@@ -136,11 +136,12 @@ def node_says(sent: Sequence[Sent], **parameters: Any) -> dict[str, list[bytes]]
     node = MuscleStatePublisher(
         parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()]
     )
-    real, node._outputs = node._outputs, {name: Kept() for name in TOPICS}
+    [muscle] = node._muscles
+    real, muscle.topics = muscle.topics, {name: Kept() for name in TOPICS}
     for topic, _, _, data in sent:
         if topic == '/joint_states':
             node._answer(deserialize_message(data, JointState))
-    kept, node._outputs = node._outputs, real
+    kept, muscle.topics = muscle.topics, real
     node.destroy_node()
     return {name: each.got for name, each in kept.items()}
 

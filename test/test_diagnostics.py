@@ -6,14 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from ros_harness import Peer
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.diagnostics import STALE_AFTER, TIMED, Tally, diagnostics, milliseconds
+from linkedplane_ros.diagnostics import STALE_AFTER, TIMED, Tally, milliseconds, status
 from linkedplane_ros.joint_input import REASONS
 from linkedplane_ros.node import MuscleStatePublisher
 
@@ -38,8 +37,8 @@ def heard(*, answered: int = 0, rejected: int = 0, age: float = 0.1) -> Tally:
 
 def told(tally: Tally) -> dict[str, str]:
     """Return the values of a status."""
-    array = diagnostics(tally, 'node: deltoid', 'deltoid, right', Time(sec=5), NOW, {'side': 'any'})
-    return {item.key: item.value for item in array.status[0].values}
+    told = status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
+    return {item.key: item.value for item in told.values}
 
 
 def test_without_input_the_level_is_stale() -> None:
@@ -100,10 +99,8 @@ def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
 
 def test_a_status_has_what_it_was_given_and_every_counter() -> None:
     tally = heard(answered=5, rejected=2)
-    array = diagnostics(tally, 'node: deltoid', 'deltoid, right', Time(sec=5), NOW, {'side': 'any'})
-    [status] = array.status
-    assert array.header.stamp.sec == 5
-    assert (status.name, status.hardware_id, status.level) == (
+    made = status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
+    assert (made.name, made.hardware_id, made.level) == (
         'node: deltoid',
         'deltoid, right',
         WARN,
@@ -122,8 +119,7 @@ def test_a_status_has_what_it_was_given_and_every_counter() -> None:
 def test_no_key_stands_twice() -> None:
     tally = heard(answered=1)
     tally.last_state = LinkedPlaneSolver(BroadMuscle.load('deltoid')).solve(np.eye(3))
-    array = diagnostics(tally, 'n', 'h', Time(), NOW, {})
-    keys = [item.key for item in array.status[0].values]
+    keys = [item.key for item in status(tally, 'n', 'h', NOW, {}).values]
     assert len(set(keys)) == len(keys)
 
 
@@ -260,6 +256,7 @@ def test_the_node_counts_answers_near_the_singularity(
     )
     names = made._settings.convention.coordinates
     made._answer(JointState(name=names, position=angles))
-    counts = made._tally.answered, made._tally.near_singular
+    tally = made._muscles[0].tally
+    counts = tally.answered, tally.near_singular
     made.destroy_node()
     assert counts == (1, int(near))

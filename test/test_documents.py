@@ -13,7 +13,8 @@ from ros_harness import Peer
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.markers import MuscleMarkers
-from linkedplane_ros.node import OUTPUTS, MuscleStatePublisher
+from linkedplane_ros.muscle_outputs import OUTPUTS
+from linkedplane_ros.node import MuscleStatePublisher
 from linkedplane_ros.parameters import SPECS, markdown
 
 TOP = Path(__file__).parent.parent

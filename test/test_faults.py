@@ -26,7 +26,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from visualization_msgs.msg import MarkerArray
 
-from linkedplane_ros.node import OUTPUTS, MuscleStatePublisher
+from linkedplane_ros.muscle_outputs import OUTPUTS
+from linkedplane_ros.node import MuscleStatePublisher
 
 NAMES = ('flexion', 'abduction', 'rotation')
 POSE = (0.3, 0.2, 0.1)  # rad
@@ -106,7 +107,8 @@ EXAMPLES, EACH = 400, 250
 def test_a_hundred_thousand_odd_messages_are_answered_or_counted(ros: None) -> None:
     node = MuscleStatePublisher()
     catchers = {name: Catcher() for name in OUTPUTS}
-    real, node._outputs = node._outputs, catchers
+    [muscle] = node._muscles
+    real, muscle.topics = muscle.topics, catchers
     sent = Counter[str]()
 
     @settings(
@@ -119,8 +121,8 @@ def test_a_hundred_thousand_odd_messages_are_answered_or_counted(ros: None) -> N
             node._answer(message)
 
     feed()
-    node._outputs = real
-    tally = node._tally
+    muscle.topics = real
+    tally = muscle.tally
     node.destroy_node()
     assert sent['all'] >= EXAMPLES * EACH
     assert tally.received == sent['all']
@@ -209,7 +211,7 @@ def test_of_two_publishers_the_newest_message_counts(node: MuscleStatePublisher,
             second.publish(JointState(name=NAMES, position=pose))
         assert peer.answers(k + 1)
     other.destroy_node()
-    solver, convention = node._settings.solver, node._settings.convention
+    solver, convention = node._settings.solvers[0], node._settings.convention
     for pose, lengths in zip(poses, peer.got['band_lengths'], strict=True):
         want = solver.solve(convention.rotation(pose)).lengths
         assert np.abs(np.array(lengths.data) - want).max() < 1e-12
@@ -293,7 +295,7 @@ def test_a_subscriber_that_does_not_fit_is_named_with_the_override_that_cures_it
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     viewer.create_subscription(MarkerArray, 'deltoid/markers', lambda _: None, latched)
     assert peer.until(lambda: peer.values()['peers that do not fit'] == '1')
-    [line] = node._tally.misfits
+    [line] = node._muscles[0].tally.misfits
     assert line == (
         'viewer receives nothing: on /deltoid/markers it asks for more than is offered; start '
         'this node with -p qos_overrides./deltoid/markers.publisher.durability:=transient_local'
@@ -336,7 +338,7 @@ def test_a_wrong_override_of_a_quality_of_service_is_one_line(
 def test_an_override_of_one_output_leaves_the_others_alone(ros: None) -> None:
     name = 'qos_overrides./deltoid/band_lengths.publisher.depth'
     made = MuscleStatePublisher(parameter_overrides=[Parameter(name, value=7)])
-    depths = {output: end.qos_profile.depth for output, end in made._outputs.items()}
+    depths = {output: end.qos_profile.depth for output, end in made._muscles[0].topics.items()}
     made.destroy_node()
     assert depths.pop('band_lengths') == 7
     assert depths.pop('markers') == 10

@@ -58,7 +58,7 @@ def test_by_default_the_node_alone_is_started_with_its_defaults() -> None:
     )  # fmt: skip
     assert f"'{node.executable} = " in (TOP / 'setup.py').read_text()
     chosen = settings(node)
-    assert chosen.solver.side == 'right'
+    assert chosen.solvers[0].side == 'right'
     assert chosen.joints.names == chosen.convention.coordinates
     assert node.remappings == [('joint_states', 'joint_states')]
 
@@ -75,7 +75,7 @@ def test_the_arguments_reach_the_parameters() -> None:
         joint_states='/body/joint_states',
     )
     chosen = settings(node)
-    assert (chosen.solver.side, chosen.convention.name) == ('left', 'rep155')
+    assert (chosen.solvers[0].side, chosen.convention.name) == ('left', 'rep155')
     assert chosen.joints.names == ('a', 'b', 'c')
     assert chosen.frame_id == 'left_scapula'
     assert node.namespace == 'left'
@@ -118,8 +118,8 @@ def test_both_shoulders_are_two_nodes_that_share_nothing_but_the_torso() -> None
     found = nodes(BOTH, 'muscle_state_publisher', right_joint_names='[p, q, r]')
     assert [node.namespace for node in found] == ['left', 'right']
     left, right = map(settings, found)
-    assert (left.solver.side, left.frame_id) == ('left', 'left_scapula')
-    assert (right.solver.side, right.frame_id) == ('right', 'right_scapula')
+    assert (left.solvers[0].side, left.frame_id) == ('left', 'left_scapula')
+    assert (right.solvers[0].side, right.frame_id) == ('right', 'right_scapula')
     assert left.joints.names == left.convention.coordinates
     assert right.joints.names == ('p', 'q', 'r')
     hooks = nodes(BOTH, 'static_transform_publisher')

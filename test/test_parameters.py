@@ -32,6 +32,9 @@ WRONG: list[tuple[str, Any, str]] = [
     ('muscle', 3, 'text expected'),
     ('muscle', 'biceps', 'neither a bundled model (deltoid, example_humerus_spheres, example_'),
     ('muscle', '', 'neither a bundled model'),
+    ('muscle', ['biceps', 'triceps'], "'biceps' is neither a bundled model"),
+    ('muscle', ['deltoid', 'deltoid'], 'different names expected'),
+    ('muscle', [1, 2], 'a list of text expected'),
     ('scale', 'large', 'one factor, 3'),
     ('scale', -1.0, 'a factor > 0'),
     ('scale', True, 'numbers or text'),
@@ -66,6 +69,7 @@ WRONG: list[tuple[str, Any, str]] = [
     ('markers.rate', math.nan, 'a finite number, as 30.0 expected'),
     ('markers.rate', True, 'a finite number, as 30.0 expected'),
     ('markers.rate', '30', 'a finite number, as 30.0 expected'),
+    ('markers.details', 'all', 'true or false expected'),
     ('markers.points', 1, '2 to 1000 expected'),
     ('markers.points', 1001, '2 to 1000 expected'),
     ('markers.points', 16.0, 'a whole number expected'),
@@ -79,8 +83,8 @@ def test_every_default_is_valid_and_comes_out_as_it_is() -> None:
         assert spec.checked(spec.default) == meant
         assert type(spec.checked(spec.default)) is type(spec.default)
     settings = Settings.from_values(DEFAULTS)
-    assert settings.solver.muscle.name == 'deltoid'
-    assert settings.solver.side == 'right'
+    assert settings.solvers[0].muscle.name == 'deltoid'
+    assert settings.solvers[0].side == 'right'
     assert settings.convention is THESIS
     assert settings.markers_points == 16
 

@@ -330,7 +330,7 @@ def test_the_nodes_scale_is_text_or_numbers(value: Any, want: Any) -> None:
     from linkedplane_ros.parameters import SPECS, Settings
 
     values = {spec.name: spec.default for spec in SPECS} | {'scale': value}
-    assert Settings.from_values(values).solver.muscle == DELTOID.scaled(want)
+    assert Settings.from_values(values).solvers[0].muscle == DELTOID.scaled(want)
 
 
 @pytest.mark.parametrize('value', ['large', 0.0, -1, [1.0, 2.0], True, 'absent.yaml', ''])

@@ -166,7 +166,7 @@ def test_nothing_is_drawn_while_nobody_looks(ros: None) -> None:
     made, feeder = MuscleStatePublisher(), Peer(viewer=False)
     with together(feeder, made):
         feeder.connect()
-        made._markers = None  # to draw would fail
+        made._muscles[0]._markers = None  # to draw would fail
         for k in range(5):
             feeder.send(NAMES, (0.1, 0.2, 0.3), nanoseconds=k * 100 * MS)
         assert feeder.answers(5)

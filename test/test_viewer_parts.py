@@ -341,6 +341,13 @@ def test_a_node_that_answers_is_known_before_its_first_state() -> None:
     assert facts.heads == (('anterior', 1), ('middle', 3), ('posterior', 7))
 
 
+def test_of_several_muscles_of_a_node_the_one_with_the_bands_tells_the_heads() -> None:
+    parameters = {'muscle': ['example_shared_sphere', 'deltoid', 'absent.yaml']}
+    facts = Facts.told(THESIS.coordinates, DELTOID.band_names, '/joint_states', parameters)
+    assert facts.heads == (('anterior', 1), ('middle', 3), ('posterior', 7))
+    assert Facts.told((), (), '/joint_states', parameters).bands == ()
+
+
 def test_the_table_has_the_numbers_in_millimetres() -> None:
     facts = Facts.told(*LABELS, '/joint_states', {})
     arms = STATE.moment_vectors @ THESIS.axes((0.9, 0.3, 0.1))

@@ -63,12 +63,15 @@ class Facts:
         )
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
-        with suppress(ModelError):
-            model = BroadMuscle.load(parameters.get('muscle', 'deltoid'))
-            bands = bands or model.band_names
-            if model.band_names == bands:
-                heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
-                motion = model.range_of_motion
+        given = parameters.get('muscle', 'deltoid')
+        one = isinstance(given, str)
+        for muscle in [given] if one else given:
+            with suppress(ModelError):
+                model = BroadMuscle.load(muscle)
+                bands = bands or (model.band_names if one else ())
+                if model.band_names == bands:
+                    heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
+                    motion = model.range_of_motion
         side = parameters.get('side', 'right')
         return Facts(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
 
