@@ -154,8 +154,9 @@ class MuscleReader:
         if not publishers:
             self._answer = None  # what comes back may be another
             return
-        name, namespace = publishers[0].node_name, publishers[0].node_namespace.rstrip('/')
-        with suppress(NodeNameNonExistentError):  # not known yet
+        with suppress(StopIteration, NodeNameNonExistentError):  # its name comes later than it
+            found = next(each for each in publishers if each.node_namespace.startswith('/'))
+            name, namespace = found.node_name, found.node_namespace.rstrip('/')
             self._meet(f'{namespace}/{name}', self._joint_topic(name, namespace))
         if self._answer is None and self._client is not None and self._client.service_is_ready():
             self._answer = self._client.call_async(GetParameters.Request(names=list(ASKED)))
