@@ -14,7 +14,7 @@ ros = [
 ]
 fast = ['numba']
 tools = ['matplotlib', 'pyarrow', 'rich', 'rosbags', 'scipy']
-viewer = ['viser>=1.0,<2']
+viewer = ['viser>=1.1,<2']
 cluster = ['dask[distributed]']
 bench = ['mujoco>=3.6', 'opensim']
 test = [

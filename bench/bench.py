@@ -185,6 +185,7 @@ def measure() -> dict[str, Any]:
     figures['start uncompiled'] = start_up(5, LINKEDPLANE_COMPILE='0')
     figures['recordings'] = recordings.measure()
     figures['latency'] = json.loads(output(str(HERE / 'latency.py')))
+    figures['viewer'] = json.loads(output(str(HERE / 'viewer.py')))
     return figures
 
 
@@ -238,7 +239,7 @@ def table(figures: dict[str, Any]) -> str:
         )
         for case, each in figures['recordings'].items()
     ]
-    rows += latency_rows(figures['latency'])
+    rows += latency_rows(figures['latency']) + viewer_rows(figures['viewer'])
     lines = [f'| {figures["machine"]} | | |', '| --- | ---: | --- |']
     return '\n'.join([*lines, *(f'| {a} | {b} | {c} |' for a, b, c in rows)])
 
@@ -258,6 +259,21 @@ def latency_rows(found: dict[str, dict[str, dict[str, float]]]) -> list[tuple[st
                 (f'topic to topic, {rate}, {name}: median, p99, worst', f'{times} ms', remark)
             )
     return table
+
+
+def viewer_rows(found: dict[str, dict[str, Any]] | str) -> list[tuple[str, str, str]]:
+    """Return the table's rows of the viewer's latency in a browser."""
+    title = 'viewer, slider to drawn path'
+    if isinstance(found, str):
+        return [(title, '', found)]
+    return [
+        (
+            f'{title}, {pixels} drawn: median, 95 %, worst',
+            f'{", ".join(f"{1e3 * each[key]:.0f}" for key in ("median", "p95", "worst"))} ms',
+            f'headless Chromium, drawn by {each["drawn by"]}',
+        )
+        for pixels, each in found.items()
+    ]
 
 
 def main() -> None:

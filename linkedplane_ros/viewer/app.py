@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import Callable
 from typing import Any
@@ -21,19 +22,24 @@ from .table import table
 from .wire import markers
 
 IDLE = 0.02  # s between frames in which nothing has come
+WAITING = 'Waiting for a muscle: `ros2 run linkedplane_ros muscle_state_publisher`'
 TABLE = 0.2  # s between writings of the table
 
 
 class Viewer:
-    """All that is shown of what a node reads."""
+    """All that is shown of what a node reads.
+
+    Everything is done in the thread of the library's event loop: its objects are not to be
+    changed from two threads at once.
+    """
 
     def __init__(self, server: viser.ViserServer, node: ViewerNode) -> None:
-        """Show that nothing is there yet."""
+        """Nothing is shown before `run`."""
         self._server = server
         self._node = node
         self._scenes: dict[str, MuscleScene] = {}
         self._markers: dict[str, Markers] = {}
-        self._facts: dict[str, Facts] = {}
+        self._facts: dict[str, Facts] | None = None
         self._panels: dict[str, MusclePanel] = {}
         self._colours: dict[str, Any] = {}
         self._look: Look | None = None
@@ -41,27 +47,26 @@ class Viewer:
         self._saving: Saving | None = None
         self._written = 0.0
         self._answered: list[int] = []
-        scene.prepare(server)
-        self._build()
 
-    def _build(self) -> None:
+    def _build(self, muscles: dict[str, Facts]) -> None:
         """Make the panels anew: a muscle has come, or has become another."""
+        if self._facts is None:
+            scene.prepare(self._server)
+        self._facts = muscles
+        self._panels = {}
+        self._look = self._plots = self._saving = None
         gui = self._server.gui
         gui.reset()
         theme(gui, False)
         gui.set_panel_label('muscle viewer')
         gui.main_panel.dock_right()
-        self._panels = {}
-        if not self._facts:
-            gui.add_markdown(
-                'Waiting for a muscle: `ros2 run linkedplane_ros muscle_state_publisher`'
-            )
+        if not muscles:
+            gui.add_markdown(WAITING)
             return
-        names = names_of(self._facts)
-        first = next(iter(self._facts.values()))
-        self._look = self._plots = self._saving = None
+        names = names_of(muscles)
+        first = next(iter(muscles.values()))
         tabs = gui.add_tab_group() if len(names) > 1 else None
-        for prefix, facts in self._facts.items():
+        for prefix, facts in muscles.items():
             place = tabs.add_tab(names[prefix]) if tabs else gui.add_folder(names[prefix])
             with place:
                 self._panels[prefix] = MusclePanel(
@@ -71,7 +76,7 @@ class Viewer:
         pages = gui.add_tab_group()
         with pages.add_tab('plots'):
             labels = [
-                ('' if len(names) == 1 else names[prefix], f) for prefix, f in self._facts.items()
+                ('' if len(names) == 1 else names[prefix], f) for prefix, f in muscles.items()
             ]
             self._plots = Plots(gui, labels)
         with pages.add_tab('look'):
@@ -79,10 +84,10 @@ class Viewer:
         with pages.add_tab('bands'):
             self._table = gui.add_html('')
         with pages.add_tab('save'):
-            self._saving = Saving(self._server, gui)
+            self._saving = Saving(self._server, gui, lambda: look.dark)
         self._look = look
         scene.look_at(self._server, len(names))
-        for prefix, facts in self._facts.items():
+        for prefix, facts in muscles.items():
             self._scenes[prefix].settle(facts.side, len(names))
 
     @property
@@ -94,23 +99,22 @@ class Viewer:
 
     def run(self, going: Callable[[], bool]) -> None:
         """Draw as long as it is going: whenever something has come, but once a frame at most."""
-        fresh = self._node.fresh
+        fresh, loop = self._node.fresh, self._server.get_event_loop()
         while going():
             fresh.wait(IDLE)
             fresh.clear()
             begun = time.monotonic()
-            self._frame(begun)
+            asyncio.run_coroutine_threadsafe(self._frame(begun), loop).result()
             time.sleep(max(begun + FRAME - time.monotonic(), 0.0))
 
-    def _frame(self, now: float) -> None:
+    async def _frame(self, now: float) -> None:
         taken = {prefix: reader.newest.take() for prefix, reader in self._node.readers.items()}
         facts = {prefix: each for prefix, (each, _, _) in taken.items() if each is not None}
         for prefix in facts:
             if prefix not in self._scenes:
                 self._scenes[prefix] = MuscleScene(self._server, prefix)
         if facts != self._facts:
-            self._facts = facts
-            self._build()
+            self._build(facts)
         if self._look is None or self._plots is None or self._saving is None:
             return
         newest = {prefix: taken[prefix][1] for prefix in facts}
@@ -126,7 +130,7 @@ class Viewer:
             self._answered = answered
             self._plots.add(now, list(newest.values()))
         self._plots.draw(now, self._look.coordinate)
-        self._saving.frame(now)
+        await self._saving.frame(now)
         if now > self._written + TABLE:
             self._written = now
             self._table.content = ''.join(
@@ -140,7 +144,10 @@ class Viewer:
             return
         there = self._markers.setdefault(prefix, {})
         for message in messages:
-            apply(there, markers(message))
+            try:
+                apply(there, markers(message))
+            except ValueError as error:
+                self._node.get_logger().warning(f'{prefix}/markers: {error}', once=True)
         look = self._look
         hidden, colours = look.hidden, look.band_colours(look.measured(prefix, newest))
         key = hidden, look.axes, None if colours is None else [c.tolist() for c in colours.values()]

@@ -28,6 +28,7 @@ class Look:
 
     def __init__(self, gui: viser.GuiApi, facts: Facts) -> None:
         """Add what is always at hand to what is open of the GUI."""
+        self._gui = gui
         self._most = 0.0
         self._shown: tuple[Any, ...] = ()
         self._references: dict[str, Floats] = {}
@@ -48,11 +49,17 @@ class Look:
         again = gui.add_button(
             'no length change here', hint='Length changes count from this pose on.'
         )
-        again.on_click(lambda _: self._references.clear())
-        self._dark.on_update(lambda _: theme(gui, self._dark.value))
+        again.on_click(self._measure_anew)
+        self._dark.on_update(self._darken)
 
-    def _begin_anew(self, _: Any) -> None:
+    async def _begin_anew(self, _: Any) -> None:
         self._most = 0.0
+
+    async def _measure_anew(self, _: Any) -> None:
+        self._references.clear()
+
+    async def _darken(self, _: Any) -> None:
+        theme(self._gui, self._dark.value)
 
     @property
     def coordinate(self) -> int:
@@ -68,6 +75,11 @@ class Look:
     def axes(self) -> bool:
         """Whether the axes are to be seen."""
         return bool(self._axes.value)
+
+    @property
+    def dark(self) -> bool:
+        """Whether the page is dark."""
+        return bool(self._dark.value)
 
     def measured(self, prefix: str, newest: Values) -> Floats | None:
         """Return what the bands of a muscle are coloured by (n,), mm; None: by their heads.

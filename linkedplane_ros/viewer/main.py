@@ -90,6 +90,8 @@ def main(given: list[str] | None = None) -> None:
     reading.start()
     try:
         Viewer(server, node).run(lambda: rclpy.ok() and reading.is_alive())
+        if rclpy.ok():
+            sys.exit('muscle_viewer: the reader of the topics has ended, for what stands above')
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RCLError:

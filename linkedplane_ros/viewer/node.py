@@ -14,6 +14,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import GetParameters
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
@@ -238,7 +239,8 @@ class ViewerNode(Node):
             velocity=(signs * speeds).tolist(),
         )
         message.header.stamp = self.get_clock().now().to_msg()
-        publisher.publish(message)
+        with suppress(InvalidHandle):  # the reader is about to make another
+            publisher.publish(message)
 
     def spin(self, going: Callable[[], bool]) -> None:
         """Read messages as long as it is going: once a frame, the newest, whatever the rate.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,6 @@ class MusclePanel:
         self._ranges = np.round(np.degrees(ranges(facts.convention, facts.motion)), 1)
         self._poses = poses(facts.convention)
         self._arm = Arm()
-        self._lock = RLock()
         self._begun = time.monotonic()
         self._sent = self._shown = -np.inf
         self._resting = False
@@ -49,54 +47,61 @@ class MusclePanel:
             gui.add_slider(f'{name} (deg)', float(low), float(high), STEP, float(max(low, 0.0)))
             for name, (low, high) in zip(facts.coordinates, self._ranges, strict=True)
         ]
-        self._buttons = gui.add_button_group('go to', tuple(self._poses))
+        buttons = gui.add_button_group('go to', tuple(self._poses))
         self._play = gui.add_button(PLAY)
         self._follow = gui.add_checkbox('follow the stream', False)
         for slider in self._sliders:
             slider.on_update(self._dragged)
-        self._buttons.on_click(self._go)
+        buttons.on_click(self._go)
         self._play.on_click(self._sweep)
         self._follow.on_update(self._switched)
 
-    def _dragged(self, event: Any) -> None:
-        """Take over from a hand; a slider that was moved by this program has no client."""
+    # What the library calls is asynchronous, so that all is done in one thread, that of its loop.
+    # It also calls for what is changed here, not in a browser; there is then no client.
+
+    async def _dragged(self, event: Any) -> None:
         if event.client is None or self._follow.value:
             return
-        with self._lock:
-            now = time.monotonic()
-            angles = np.radians([slider.value for slider in self._sliders])
-            self._send(self._arm.drag(angles, now), now)
-            self._resting = False
-            self._play.label = PLAY
+        now = time.monotonic()
+        angles = np.radians([slider.value for slider in self._sliders])
+        self._send(self._arm.drag(angles, now), now)
+        self._take_over()
 
-    def _go(self, event: Any) -> None:
-        with self._lock:
-            self._follow.value = False
-            self._arm.glide(self._poses[event.target.value], time.monotonic())
-            self._play.label = PLAY
+    async def _go(self, event: Any) -> None:
+        self._take_over()
+        self._arm.glide(self._poses[event.target.value], time.monotonic())
 
-    def _sweep(self, _: Any) -> None:
-        with self._lock:
-            self._follow.value = False
-            if self._arm.moving:
-                self._arm.stop()
-                self._play.label = PLAY
-                return
+    async def _sweep(self, _: Any) -> None:
+        playing = self._play.label == STOP
+        self._take_over()
+        if not playing:
             k = self._coordinate()
             low, high = np.radians(self._ranges[k]).tolist()
             self._arm.sweep(k, low, high, time.monotonic())
             self._play.label = STOP
 
-    def _switched(self, _: Any) -> None:
-        """Follow, or take over where the arm is."""
-        with self._lock:
-            self._decided = True
-            self._arm.stop()
-            self._play.label = PLAY
-            if not self._follow.value and self._newest.angles is not None:
-                self._arm.angles = self._newest.angles
-            for slider in self._sliders:
-                slider.disabled = self._follow.value
+    async def _switched(self, event: Any) -> None:
+        if event.client is not None:
+            self._decide(self._follow.value)
+
+    def _take_over(self) -> None:
+        """Move the arm from here, from where it is."""
+        self._arm.stop()
+        self._play.label = PLAY
+        self._resting = False
+        if self._follow.value:
+            self._decide(False)
+
+    def _decide(self, follow: bool) -> None:
+        """Follow the stream, or take over where the arm is."""
+        self._decided = True
+        self._arm.stop()
+        self._play.label = PLAY
+        if not follow and self._newest.angles is not None:
+            self._arm.angles = self._newest.angles
+        self._follow.value = follow
+        for slider in self._sliders:
+            slider.disabled = follow
 
     def _send(self, speeds: Floats, now: float) -> None:
         self._move(self._arm.angles, speeds)
@@ -104,25 +109,25 @@ class MusclePanel:
 
     def tick(self, newest: Values) -> None:
         """Go on: to be called for each frame, with the newest state."""
-        with self._lock:
-            now = time.monotonic()
-            self._newest = newest
-            self._status.content = status(newest, self._follow.value)
-            if not self._decided:
-                if now < self._begun + UNDECIDED and not newest.rivals:
-                    return
-                self._decided = True
-                self._follow.value = newest.rivals > 0
-            if self._follow.value:
-                if newest.angles is not None:
-                    self._show(newest.angles, now)
-            elif self._arm.moving:
-                self._send(self._arm.at(now), now)
-                self._resting = False
-                self._show(self._arm.angles, now, last=not self._arm.moving)
-            elif now > self._sent + (HEARTBEAT if self._resting else SETTLED):
-                self._send(np.zeros(3), now)
-                self._resting = True
+        now = time.monotonic()
+        self._newest = newest
+        self._status.content = status(newest, self._follow.value)
+        if not self._decided:
+            if now < self._begun + UNDECIDED and not newest.rivals:
+                return
+            self._decided = True
+            if newest.rivals:
+                self._decide(True)
+        if self._follow.value:
+            if newest.angles is not None:
+                self._show(newest.angles, now)
+        elif self._arm.moving:
+            self._send(self._arm.at(now), now)
+            self._resting = False
+            self._show(self._arm.angles, now, last=not self._arm.moving)
+        elif now > self._sent + (HEARTBEAT if self._resting else SETTLED):
+            self._send(np.zeros(3), now)
+            self._resting = True
 
     def _show(self, angles: Floats, now: float, last: bool = False) -> None:
         """Let the sliders go along."""

@@ -44,16 +44,13 @@ class Plots:
         self._facts = [facts for _, facts in muscles]
         self._begin = 0.0
         self._drawn = -np.inf
-        self._shown: tuple[str, int] | None = None
-        count = sum(len(facts.heads) for facts in self._facts)
-        self._recent = Recent(4 * count, round(SPAN * RATE))
-        self._curves = self._fresh_curves()
         self._lines = lines_of(muscles)
         self._place = gui.add_folder(None)
         self._plots: list[Any] = []
         self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
         clear = gui.add_button('clear the plots')
-        clear.on_click(lambda _: self._clear())
+        clear.on_click(self._clear)
+        self._begin_anew()
 
     def _make(self, data: Sequence[tuple[Floats, ...]]) -> None:
         """Add the plots, with the first of their data."""
@@ -70,14 +67,20 @@ class Plots:
                 for each in data
             ]
 
-    def _fresh_curves(self) -> list[list[Curve]]:
-        return [[Curve(4 * len(f.heads), *DEGREES) for _ in range(3)] for f in self._facts]
-
-    def _clear(self) -> None:
+    def _begin_anew(self) -> None:
+        """Forget what there was."""
         count = sum(len(facts.heads) for facts in self._facts)
         self._recent = Recent(4 * count, round(SPAN * RATE))
-        self._curves = self._fresh_curves()
-        self._shown = None
+        self._curves = [
+            [Curve(4 * len(facts.heads), *DEGREES) for _ in range(3)] for facts in self._facts
+        ]
+        self._shown: tuple[str, int] | None = None
+        for plot in self._plots:
+            plot.remove()
+        self._plots = []
+
+    async def _clear(self, _: Any) -> None:
+        self._begin_anew()
 
     def add(self, now: float, newest: Sequence[Values]) -> None:
         """Take in the newest state of each muscle."""
@@ -114,7 +117,7 @@ class Plots:
             name = self._facts[0].coordinates[coordinate]
             across = 'time, s' if axis == TIME else f'{name}, deg'
             self._plots[0].axes = axes(across, 'length, mm')
-            self._plots[1].axes = axes(across, f'arm: {name}, mm')
+            self._plots[1].axes = axes(across, 'arm, mm')
         for plot, each in zip(self._plots, data, strict=True):
             plot.data = each
 

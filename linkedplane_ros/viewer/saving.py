@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,9 +18,12 @@ RECORD, STOP = 'record', 'stop recording'
 class Saving:
     """Buttons that save what a browser shows, through that browser."""
 
-    def __init__(self, server: viser.ViserServer, gui: viser.GuiApi) -> None:
-        """Add them to what is open of the GUI."""
+    def __init__(
+        self, server: viser.ViserServer, gui: viser.GuiApi, dark: Callable[[], bool]
+    ) -> None:
+        """Add them to what is open of the GUI; `dark` tells whether the page is."""
         self._server = server
+        self._dark = dark
         self._recording: Any = None
         self._begun = self._last = 0.0
         gui.add_markdown('Both come as downloads; a recording opens without a server.')
@@ -39,29 +44,29 @@ class Saving:
         content = imageio.v3.imwrite('<bytes>', on_white(picture), extension='.png')
         client.send_file_download(name('png'), content, save_immediately=True)
 
-    def _switch(self, event: Any) -> None:
+    async def _switch(self, _: Any) -> None:
         if self._recording is None:
             self._begun = self._last = time.monotonic()
             self._recording = self._server.get_scene_serializer()
             self._record.label = STOP
         else:
-            self._finish()
+            await self._finish()
 
-    def _finish(self) -> None:
+    async def _finish(self) -> None:
+        """Give the recording away; to pack it takes a while."""
         recording, self._recording = self._recording, None
         self._record.label = RECORD
-        content = recording.as_html().encode()
-        self._server.send_file_download(name('html'), content, save_immediately=True)
+        content = await asyncio.to_thread(recording.as_html, self._dark())
+        self._server.send_file_download(name('html'), content.encode(), save_immediately=True)
 
-    def frame(self, now: float) -> None:
+    async def frame(self, now: float) -> None:
         """Tell the recording how long it was since the frame before."""
-        recording = self._recording
-        if recording is None:
+        if self._recording is None:
             return
-        recording.insert_sleep(max(now - self._last, 0.0))
+        self._recording.insert_sleep(max(now - self._last, 0.0))
         self._last = now
         if now > self._begun + LONGEST:
-            self._finish()
+            await self._finish()
 
 
 def on_white(picture: Any) -> Any:

@@ -40,7 +40,7 @@ def look_at(server: viser.ViserServer, muscles: int) -> None:
     camera = server.initial_camera
     both = muscles > 1
     camera.look_at = np.array((0.0, 0.0, -0.06) if both else (-0.01, 0.02, -0.06))
-    camera.position = np.array((0.12, 1.15, 0.25) if both else (0.48, 0.62, 0.14))
+    camera.position = np.array((0.1, 1.05, 0.22) if both else (0.48, 0.62, 0.14))
     camera.up = np.array((0.0, 0.0, 1.0))
     camera.fov = FOV
     camera.near, camera.far = 0.01, 20.0

@@ -1,24 +1,21 @@
-"""The viewer in a process of its own, and a real browser, without a window, that looks at it."""
+"""A real browser, without a window, that looks at the viewer: for the tests and the bench."""
 
 from __future__ import annotations
 
-import re
 import shutil
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ros_harness import PATIENCE, NodeProcess
 
+PATIENCE = 60.0  # s: the longest that anything is waited for
 CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
 # drawn in software: slow, but the same everywhere
 DRAWING = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
 ALONE = ['--no-sandbox', '--disable-background-networking', '--disable-component-update']
+HELD_BACK = 100.0  # ms: the library holds a change back for 50 ms; another one then undoes it
 WINDOW = {'width': 1280, 'height': 720}
 LINES = """name => {
   const node = window.__viserMutable?.nodeRefFromName[name];
@@ -30,26 +27,11 @@ PLOTS = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
   .map(each => Array.from(each.chart.data, column => Array.from(column)))"""
 
 
-class ViewerProcess(NodeProcess):
-    """The viewer as users run it; its output is kept."""
-
-    def __init__(self, log: Path, *arguments: str) -> None:
-        """Start it on a port that is free, and wait until it says where it listens."""
-        self.log = log
-        command = [sys.executable, '-m', 'linkedplane_ros.viewer', '--port', '0', *arguments]
-        with log.open('wb') as out:
-            self.process = subprocess.Popen(command, stdout=out, stderr=out)
-        assert until(lambda: 'open http' in self.text or self.process.poll() is not None)
-        found = re.search(r'open (http\S+)', self.text)
-        assert found, self.text
-        self.url = found.group(1)
-
-
 class Page:
     """A page of the browser at the viewer."""
 
-    def __init__(self, page: Any, url: str) -> None:
-        """Load it; few pixels are drawn for one of the page's, to be quick."""
+    def __init__(self, page: Any, url: str, dpr: float = 0.3) -> None:
+        """Load it; so many pixels are drawn for one of the page's, few to be quick."""
         self.page = page
         self.errors: list[str] = []
         self.requests: list[str] = []
@@ -58,7 +40,7 @@ class Page:
         page.on('request', lambda request: self.requests.append(request.url))
         page.on('websocket', lambda socket: self.requests.append(socket.url))
         page.set_default_timeout(1e3 * PATIENCE)
-        page.goto(f'{url}/?fixedDpr=0.5' if url.startswith('http') else url)
+        page.goto(f'{url}/?fixedDpr={dpr}' if url.startswith('http') else url)
 
     def _said(self, message: Any) -> None:
         if message.type == 'error':
@@ -85,16 +67,19 @@ class Page:
     def press(self, text: str) -> None:
         """Press what bears a text; a slow machine is not asked to hold still for it."""
         self.page.get_by_text(text, exact=True).first.click(force=True)
+        self.page.wait_for_timeout(HELD_BACK)
 
     def tick(self, label: str) -> None:
         """Press the checkbox beside a label."""
         row = self.page.get_by_text(label, exact=True).first
         row.locator('xpath=following::input[@type="checkbox"][1]').dispatch_event('click')
+        self.page.wait_for_timeout(HELD_BACK)
 
     def choose(self, chosen: str, other: str) -> None:
         """Choose something else where something is chosen."""
         self.page.locator(f'input[value="{chosen}"]').first.dispatch_event('click')
         self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
+        self.page.wait_for_timeout(HELD_BACK)
 
     def slide(self, slider: int, degrees: float) -> None:
         """Move a slider: press its track where about so many degrees are."""
@@ -104,8 +89,9 @@ class Page:
         part = (degrees - low) / (high - low)
         middle = track['y'] + 0.5 * track['height']
         self.page.mouse.click(track['x'] + part * track['width'], middle)
-        # the library holds a change back for 50 ms, and forgets it if another slider is moved
-        self.page.wait_for_timeout(100.0)
+        pixel = (high - low) / track['width']
+        until(lambda: abs(float(thumb.get_attribute('aria-valuenow')) - degrees) < 2.0 * pixel)
+        self.page.wait_for_timeout(HELD_BACK)
 
     def angles(self) -> np.ndarray:
         """Return where the sliders stand, rad."""

@@ -1,0 +1,113 @@
+"""Slider to drawn path: the viewer and its node, in a real browser without a window.
+
+The time from the press on a slider's track, as the browser stamps it, until the pixels of the
+first frame with another path can be read back. Prints JSON: s, or why there is none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+from browser import CHROMIUM, LINES, WINDOW, Page, browser, until
+
+COUNT = 100
+WARMING = 10  # before them: shaders are compiled with the first frames
+PAUSE = 300.0  # ms between presses
+PLACES = (20.0, 60.0)  # deg, in turn
+WATCH = f"""() => {{
+  const find = {LINES}, name = '/deltoid/bands/lines';
+  const node = () => window.__viserMutable.nodeRefFromName[name];
+  const before = find(name);
+  window.taken = null;
+  addEventListener('pointerdown', event => {{
+    const hook = () => node().traverse(each => {{
+      each.onAfterRender = (renderer, scene, camera, geometry) => {{
+        if (geometry === before || !geometry.attributes.instanceStart || window.taken) return;
+        window.taken = 'drawn';
+        queueMicrotask(() => {{
+          renderer.getContext().readPixels(0, 0, 1, 1, 6408, 5121, new Uint8Array(4));
+          window.taken = performance.now() - event.timeStamp;
+        }});
+      }};
+    }});
+    const tick = () => {{
+      hook();
+      if (window.taken === null) requestAnimationFrame(tick);
+    }};
+    tick();
+  }}, {{capture: true, once: true}});
+}}"""
+
+DRAWN_BY = """() => {
+  const canvas = window.__viserMutable.canvas, gl = canvas.getContext('webgl2');
+  const name = gl.getExtension('WEBGL_debug_renderer_info').UNMASKED_RENDERER_WEBGL;
+  const software = gl.getParameter(name).includes('SwiftShader');
+  return [software ? 'software (SwiftShader)' : gl.getParameter(name),
+    `${canvas.width} x ${canvas.height}`];
+}"""
+
+
+def times(page: Page) -> list[float]:
+    """Return the times of all presses, s."""
+    found = []
+    for k in range(WARMING + COUNT):
+        page.page.wait_for_timeout(PAUSE)
+        page.page.evaluate(WATCH)
+        page.slide(0, PLACES[k % 2])
+        page.page.wait_for_function('typeof window.taken === "number"')
+        found.append(1e-3 * page.page.evaluate('window.taken'))
+    return found[WARMING:]
+
+
+def measure(dpr: float) -> dict[str, Any]:
+    """Return median, 95th percentile and worst, s, with so many pixels for one of the page's."""
+    command = [sys.executable, '-m', 'linkedplane_ros.viewer', '--node', '--port', '0']
+    viewer = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        assert viewer.stdout is not None
+        found = re.search(r'open (http\S+)', viewer.stdout.readline())
+        if not found:
+            raise RuntimeError('the viewer did not start')
+        with browser() as chromium:
+            page = Page(chromium.new_page(viewport=WINDOW), found.group(1), dpr)
+            if not until(lambda: len(page.lines()) > 0, 300.0):
+                raise RuntimeError('the viewer shows no muscle')
+            taken = times(page)
+            drawn_by, pixels = page.page.evaluate(DRAWN_BY)
+    finally:
+        viewer.send_signal(signal.SIGINT)
+        viewer.wait(10.0)
+    median, p95, worst = np.quantile(taken, (0.5, 0.95, 1.0)).tolist()
+    return {
+        'median': median,
+        'p95': p95,
+        'worst': worst,
+        'count': COUNT,
+        'pixels': pixels,
+        'drawn by': drawn_by,
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
+    if CHROMIUM is None:
+        print(json.dumps('left out: chromium is not installed'))
+        return
+    try:
+        found = [measure(dpr) for dpr in (1.0, 0.5)]
+        print(json.dumps({each['pixels']: each for each in found}))
+    except ImportError as error:
+        print(json.dumps(f'left out: {error}'))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,172 @@
+"""Take the README's pictures of the viewer from the viewer itself: four poses and an animation.
+
+Both nodes, the viewer and a browser without a window are started here. Needs chromium and the
+extras viewer and test.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / 'bench'))
+
+import numpy as np  # noqa: E402
+from browser import WINDOW, Page, browser, until  # noqa: E402
+from PIL import Image  # noqa: E402
+
+FRAMES, STEP = 48, 80  # of the animation, ms
+SMALL = (720, 405)  # px
+MODULE = [sys.executable, '-m']
+LEFT = [
+    *MODULE,
+    'linkedplane_ros.executables',
+    '--ros-args',
+    '-r',
+    '__ns:=/left',
+    '-p',
+    'side:=left',
+]
+
+
+@contextmanager
+def viewer() -> Iterator[str]:
+    """Run the viewer and its node; give its address."""
+    command = [*MODULE, 'linkedplane_ros.viewer', '--node', '--port', '0']
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    found = re.search(r'open (http\S+)', process.stdout.readline())
+    assert found is not None
+    try:
+        yield found.group(1)
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(20.0)
+
+
+def settled(page: Page) -> None:
+    """Wait until neither the scene nor the plots change any more."""
+    before: list[bytes] = []
+
+    def same() -> bool:
+        before.append(page.page.screenshot())
+        page.page.wait_for_timeout(700.0)
+        return len(before) > 1 and before[-1] == before[-2]
+
+    until(same, 30.0)
+
+
+def at(page: Page, degrees: tuple[float, ...]) -> bool:
+    """Wait until the sliders stand there; return whether they do."""
+    return until(lambda: np.allclose(np.degrees(page.angles()), degrees, atol=0.1))
+
+
+def still(page: Page, name: str) -> None:
+    """Save the page as it is."""
+    settled(page)
+    path = HERE / f'viewer_{name}.png'
+    Image.open(io.BytesIO(page.page.screenshot())).convert('RGB').save(path, optimize=True)
+    print(path, path.stat().st_size)
+
+
+def quiet(page: Page) -> None:
+    """Close the notice that this browser draws in software."""
+    notice = page.page.locator('.mantine-Notification-closeButton')
+    until(lambda: notice.count() > 0, 20.0)
+    if notice.count():
+        notice.first.dispatch_event('click')
+
+
+def stills(page: Page) -> None:
+    """Take the four poses, each with something else to be seen."""
+    still(page, 'neutral')
+    page.press('play a sweep')
+    page.choose('time', 'coordinate')
+    page.choose('head', 'moment arm')
+    time.sleep(25.0)
+    page.press('flexion 80')
+    at(page, (80.0, 0.0, 0.0))
+    still(page, 'flexion')
+    page.choose('moment arm', 'head')
+    page.press('abduction 90')
+    at(page, (0.0, 90.0, 0.0))
+    page.press('look')
+    for label in ('obstacle spheres', 'interference spheres', 'band planes'):
+        page.tick(label)
+    page.press('bands')
+    still(page, 'abduction')
+    page.press('look')
+    for label in ('obstacle spheres', 'interference spheres', 'band planes'):
+        page.tick(label)
+
+
+def animation(page: Page) -> None:
+    """Raise the arm and lower it again, a slider's step at a time."""
+    page.press('neutral')
+    at(page, (0.0, 0.0, 0.0))
+    page.press('plots')
+    page.choose('flexion', 'abduction')
+    page.choose('coordinate', 'time')
+    page.press('clear the plots')
+    page.choose('time', 'coordinate')
+    frames: list[Any] = []
+    for k in range(FRAMES):
+        elevation = 55.0 * (1.0 - np.cos(2.0 * np.pi * k / FRAMES))
+        page.slide(1, elevation)
+        page.page.wait_for_timeout(400.0)
+        picture = Image.open(io.BytesIO(page.page.screenshot())).convert('RGB')
+        frames.append(picture.resize(SMALL, Image.Resampling.LANCZOS))
+    palette = frames[FRAMES // 2].quantize(256, Image.Quantize.MEDIANCUT, kmeans=2)
+    small = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
+    path = HERE / 'viewer.gif'
+    small[0].save(path, save_all=True, append_images=small[1:], duration=STEP, loop=0)
+    print(path, path.stat().st_size)
+
+
+def both(page: Page, chromium: Any, url: str) -> None:
+    """Take both shoulders, in the dark."""
+    left = subprocess.Popen(LEFT)
+    try:
+        until(lambda: len(page.lines('/left/deltoid/bands/lines')) > 0)
+        page.page.close()
+        fresh = Page(chromium.new_page(viewport=WINDOW), url, 1.0)
+        until(lambda: len(fresh.lines('/left/deltoid/bands/lines')) > 0)
+        quiet(fresh)
+        fresh.press('look')
+        fresh.tick('dark')
+        fresh.press('plots')
+        fresh.press('scaption 60')
+        fresh.press('left deltoid')
+        fresh.page.get_by_text('abduction 90', exact=True).last.click(force=True)
+        time.sleep(6.0)
+        still(fresh, 'scaption')
+    finally:
+        left.send_signal(signal.SIGINT)
+        left.wait(20.0)
+
+
+def main() -> None:
+    """Take all of them."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
+    with viewer() as url, browser() as chromium:
+        page = Page(chromium.new_page(viewport=WINDOW), url, 1.0)
+        until(lambda: len(page.lines()) > 0 and len(page.plots()) == 2)
+        quiet(page)
+        stills(page)
+        animation(page)
+        both(page, chromium, url)
+
+
+if __name__ == '__main__':
+    main()
