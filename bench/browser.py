@@ -14,6 +14,8 @@ PATIENCE = 60.0  # s: the longest that anything is waited for
 CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
 # drawn in software: slow, but the same everywhere
 DRAWING = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
+# the rest of the page is quicker without what stands in for a graphics card
+DRAWING += ['--disable-gpu-rasterization', '--disable-gpu-compositing']
 ALONE = ['--no-sandbox', '--disable-background-networking', '--disable-component-update']
 HELD_BACK = 100.0  # ms: the library holds a change back for 50 ms; another one then undoes it
 WINDOW = {'width': 1280, 'height': 720}

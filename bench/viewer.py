@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from browser import CHROMIUM, LINES, WINDOW, Page, browser, until
 
-COUNT = 100
-WARMING = 10  # before them: shaders are compiled with the first frames
-PAUSE = 300.0  # ms between presses
+COUNT = 60
+WARMING = 5  # before them: shaders are compiled with the first frames
+PAUSE = 1000.0  # ms between presses: each finds the browser at rest
 PLACES = (20.0, 60.0)  # deg, in turn
 WATCH = f"""() => {{
   const find = {LINES}, name = '/deltoid/bands/lines';

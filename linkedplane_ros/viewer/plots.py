@@ -44,6 +44,7 @@ class Plots:
         self._facts = [facts for _, facts in muscles]
         self._begin = 0.0
         self._drawn = -np.inf
+        self._rows = self._rows_drawn = 0
         self._lines = lines_of(muscles)
         self._place = gui.add_folder(None)
         self._plots: list[Any] = []
@@ -96,13 +97,15 @@ class Plots:
                 for curve, angle in zip(curves, np.degrees(values.pose).tolist(), strict=True):
                     curve.add(angle, row)
         self._recent.add(now - self._begin, np.concatenate(rows))
+        self._rows += 1
 
     def draw(self, now: float, coordinate: int) -> None:
         """Draw what there is; the moment arms are those about a coordinate (0, 1, 2)."""
-        if now < self._drawn + FRESH or not self._lines:
-            return
-        self._drawn = now
         axis = self._axis.value
+        known = self._rows == self._rows_drawn and self._shown == (axis, coordinate)
+        if known or now < self._drawn + FRESH or not self._lines:
+            return
+        self._drawn, self._rows_drawn = now, self._rows
         table = self._table(axis, coordinate)
         if len(table) < 2:
             return

@@ -15,10 +15,9 @@ GREY = (128, 128, 128)
 AXES = 0.14  # m that the axes reach from the glenohumeral centre
 APART = 0.17  # m from the middle of the body to a glenohumeral centre, as both_shoulders.launch.py
 FOV = 0.6  # rad, upright
-MESHES = {
-    'balls': trimesh.creation.icosphere(subdivisions=3, radius=0.5),
-    'rods': trimesh.creation.cylinder(radius=0.5, height=1.0, sections=32),
-}
+BEAD = 0.02  # m: what is smaller is drawn with few triangles
+BALL, SMALL_BALL = (trimesh.creation.icosphere(subdivisions=k, radius=0.5) for k in (3, 1))
+ROD = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=32)
 
 
 def prepare(server: viser.ViserServer) -> None:
@@ -111,7 +110,8 @@ class MuscleScene:
                 path, drawable.points, linear(drawable.colours), thickness=drawable.width
             )
         if isinstance(drawable, Bodies):
-            mesh = MESHES[name.split('/')[1]]
+            ball = BALL if drawable.sizes.max() > BEAD else SMALL_BALL
+            mesh = ROD if name.endswith('/rods') else ball
             return self._scene.add_batched_meshes_simple(
                 path,
                 mesh.vertices,
