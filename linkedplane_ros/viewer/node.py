@@ -28,7 +28,7 @@ from ..joint_input import JointMemory, Rejected
 from .newest import MARKERS_KEPT, Facts, Floats, Newest
 
 FRAME = 1.0 / 60.0  # s: no screen needs to be told more often
-GATHER = 0.003  # s that the answers to one joint state take to arrive, behind the first of them
+GATHER, GATHERINGS = 0.002, 3  # s between looks for the rest of an answer, and how many of them
 LOOK = 0.5  # s between looks at what is there
 POSES_KEPT = 64  # joint states, to find the pose that an answer belongs to
 MARKER_ARRAY, LENGTHS = 'visualization_msgs/msg/MarkerArray', 'std_msgs/msg/Float64MultiArray'
@@ -60,7 +60,7 @@ class MuscleReader:
         """Subscribe its topics (`/deltoid/...`)."""
         self.newest = Newest(fresh)
         self.publisher: Publisher | None = None
-        self.taken = 0
+        self.taken = self.shown = 0
         self._pending: dict[str, Any] = {}
         self._states: JointState | None = None
         self._node = node
@@ -82,7 +82,7 @@ class MuscleReader:
         self._subscribe(
             MarkerArray,
             f'{prefix}/markers',
-            self.newest.put_markers,
+            self._take_markers,
             QoSProfile(depth=MARKERS_KEPT),
             raw=True,
         )
@@ -114,6 +114,10 @@ class MuscleReader:
     def _take_states(self, message: JointState) -> None:
         self._states = message
 
+    def _take_markers(self, message: bytes) -> None:
+        self.shown += 1
+        self.newest.put_markers(message)
+
     def _take_wrap(self, message: UInt8MultiArray) -> None:
         self._pending['wrap'] = np.array(message.data, np.uint8)
 
@@ -123,9 +127,14 @@ class MuscleReader:
         with suppress(Rejected):
             angles, _, _ = self._memory.take(message.name, message.position, message.velocity)
             self._poses[message.header.stamp.sec, message.header.stamp.nanosec] = np.array(angles)
-            self.newest.put(angles=np.array(angles))
+            self._pending['angles'] = np.array(angles)
         while len(self._poses) > POSES_KEPT:
             self._poses.popitem(last=False)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether an answer has come that is not handed over."""
+        return self._states is not None or 'arms' in self._pending
 
     def hand_over(self) -> None:
         """Hand over what has come since the last time, all at once: it belongs together."""
@@ -253,12 +262,24 @@ class ViewerNode(Node):
         with suppress(ExternalShutdownException):
             while going():
                 executor.spin_once(timeout_sec=0.1)
-                woken = time.monotonic()
-                time.sleep(GATHER)
-                before = -1
-                while before != (before := sum(each.taken for each in self.readers.values())):
-                    executor.spin_once(timeout_sec=0.0)
-                for reader in self.readers.values():
-                    reader.hand_over()
-                time.sleep(max(woken + FRAME - time.monotonic(), 0.0))
+                if any(reader.waiting for reader in self.readers.values()):
+                    begun = time.monotonic()
+                    self._gather(executor)
+                    time.sleep(max(begun + FRAME - time.monotonic(), 0.0))
         executor.shutdown()
+
+    def _gather(self, executor: SingleThreadedExecutor) -> None:
+        """Take all that there is of an answer; wait a little for the markers, its last."""
+        before = self._count('shown')
+        for _ in range(GATHERINGS):
+            time.sleep(GATHER)
+            taken = -1
+            while taken != (taken := self._count('taken')):
+                executor.spin_once(timeout_sec=0.0)
+            if self._count('shown') != before:
+                break
+        for reader in self.readers.values():
+            reader.hand_over()
+
+    def _count(self, what: str) -> int:
+        return sum(getattr(reader, what) for reader in self.readers.values())
