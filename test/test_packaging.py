@@ -24,6 +24,7 @@ PURE = (
     'bag_motion',
     'bag_output',
     'band',
+    'band_path',
     'bones',
     'cli',
     'colours',
@@ -77,7 +78,7 @@ PURE = (
     'workers',
     *(
         f'{folder}.{path.stem}'
-        for folder in ('rivals', 'study')
+        for folder in ('fit', 'rivals', 'study')
         for path in SOURCES.glob(f'{folder}/*.py')
     ),
 )

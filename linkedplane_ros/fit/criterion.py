@@ -1,0 +1,199 @@
+"""How far a model is from measurements: the thesis's criterion, without a model object a time.
+
+Equation 5.7 of the thesis: the sum of the squared deviations of lengths (mm) and of moment arms
+(mm) over parts, motions and steps; each times the weight of its row and of its kind. What no muscle
+may do is added band by band and pose by pose, 100 mm^-2 times a square: how deep its path enters an
+interference sphere (the thesis added 10,000 at any depth; here that is reached at 10 mm, and the
+slope shows the way out), how much it falls short of its place behind the band before it, and how
+deep an end of it lies in its own obstacle sphere, where it has no path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from ..conventions import JOINT_CONVENTIONS
+from ..interference import spheres_of
+from ..model import BroadMuscle
+from .data import Data
+from .kernel import evaluate
+from .parameters import Space
+
+Floats = npt.NDArray[np.float64]
+
+MM = 1e3  # millimetres in a metre
+PENALTY = 100.0  # mm^-2
+MARGIN = 1.0  # mm: by how much the ends of bands have to keep off their own spheres
+IMPOSSIBLE = 1e9  # of a muscle that has no path at any pose; more the farther from having one
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What each kind of deviation counts in the criterion."""
+
+    length: float = 1.0
+    arm: float = 1.0
+    interference: float = 1.0
+    order: float = 0.0
+    clearance: float = 0.0
+    """By which paths have to keep off the interference spheres, m."""
+    gap: float = 1e-3
+    """By which each band has to lie behind the one before it, m."""
+    arm_scale: float = 1.0
+    """What modelled moment arms are multiplied by; the thesis's is 0.5 (ch. 5)."""
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """The muscle at the criterion's m poses, of which the first m' are those of measurements."""
+
+    lengths: Floats
+    """(m', n) m"""
+    moments: Floats
+    """(m', n, 3) m"""
+    wrap: npt.NDArray[np.uint8]
+    """(m, n)"""
+    depths: Floats
+    """(m, n) how deep each band enters the interference spheres, m; negative: how far off."""
+    insides: Floats
+    """(m, n) how deep its ends lie in its own obstacle sphere, m."""
+    gaps: Floats
+    """(m, n - 1) by how much each band lies behind the one before it, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Criterion:
+    """A criterion over the parameters of a space, for measurements and further poses."""
+
+    space: Space
+    rotations: Floats
+    """(m, 3, 3) the poses: first those of the measurements, then those to keep order at."""
+    spheres: Floats
+    """(k, 4) interference spheres: centres and radii, m."""
+    measured: int
+    """How many of the poses are those of measurements."""
+    of_length: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Floats, Floats]
+    """Pose, band, m and the square root of the weight of each measured length."""
+    of_arm: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Floats, Floats, Floats]
+    """The same of each measured moment arm, and its axis (3,)."""
+    weights: Weights = field(default_factory=Weights)
+
+    @staticmethod
+    def of(
+        muscle: BroadMuscle,
+        space: Space,
+        data: Data,
+        weights: Weights | None = None,
+        more: Floats | None = None,
+    ) -> Criterion:
+        """Return the criterion for data; `more` (k, 3, 3) are poses where nothing was measured."""
+        rotations: list[Floats] = []
+        places: dict[bytes, int] = {}
+        lengths, arms = [], []
+        for each in data.measurements:
+            rotation, axis = each.pose()
+            rotation += 0.0  # -0.0 is 0.0
+            at = places.setdefault(rotation.tobytes(), len(places))
+            rotations += [rotation] if at == len(rotations) else []
+            root = each.weight**0.5
+            if np.isfinite(each.length):
+                lengths.append((at, each.band, each.length, root, axis))
+            if np.isfinite(each.arm):
+                arms.append((at, each.band, each.arm, root, axis))
+        more = np.empty((0, 3, 3)) if more is None else more
+        return Criterion(
+            space,
+            np.concatenate((np.array(rotations), more)),
+            spheres_of(muscle),
+            len(rotations),
+            _columns(lengths)[:4],
+            _columns(arms),
+            weights or Weights(),
+        )
+
+    def states(self, x: Floats) -> States | float:
+        """Return the muscle at the poses; for one that has no path, how far it is from one, m."""
+        m, n = len(self.rotations), len(self.space.definition.band_names)
+        lengths, moments = np.empty((self.measured, n)), np.empty((self.measured, 3 * n))
+        wrap = np.empty((m, n), dtype=np.uint8)
+        depths, insides, gaps = np.empty((m, n)), np.empty((m, n)), np.empty((m, n - 1))
+        filled = lengths, moments, wrap, depths, insides, gaps
+        solved, off = evaluate(self.space.muscle(x), self.rotations, self.spheres, *filled)
+        if solved < m:
+            return min(float(off), 1.0)
+        return States(lengths, moments.reshape(-1, n, 3), wrap, depths, insides, gaps)
+
+    def deviations(self, states: States) -> tuple[Floats, Floats]:
+        """Return modelled less measured lengths and moment arms, mm, row by row, no weights."""
+        pose, band, length, _ = self.of_length
+        lengths = states.lengths[pose, band] - length
+        pose, band, arm, _, axes = self.of_arm
+        arms = np.einsum('ij,ij->i', states.moments[pose, band], axes)
+        return MM * lengths, MM * (self.weights.arm_scale * arms - arm)
+
+    def parts(self, states: States) -> list[Floats]:
+        """Return what squared and summed is the criterion, mm; what weighs nothing is left out.
+
+        Lengths, moment arms, then for all poses interference, order and ends in spheres.
+        """
+        weights = self.weights
+        lengths, arms = self.deviations(states)
+        parts = [
+            weights.length**0.5 * self.of_length[3] * lengths,
+            weights.arm**0.5 * self.of_arm[3] * arms,
+        ]
+        for weight, by in (
+            (weights.interference, states.depths + weights.clearance),
+            (weights.order, weights.gap - states.gaps),
+            (1.0, states.insides + 1e-3 * MARGIN),
+        ):
+            if weight:
+                parts.append((PENALTY * weight) ** 0.5 * MM * np.maximum(by, 0.0).ravel())
+        return parts
+
+    def residuals(self, x: Floats) -> Floats | float:
+        """Return all parts at x in a row, mm; for a muscle without paths as `states`."""
+        states = self.states(x)
+        return states if isinstance(states, float) else np.concatenate(self.parts(states))
+
+    def value(self, x: Floats) -> float:
+        """Return the criterion, mm^2."""
+        states = self.states(x)
+        if isinstance(states, float):
+            return IMPOSSIBLE * (1.0 + states)
+        return float(sum(part @ part for part in self.parts(states)))
+
+    def values(self, xs: Floats, pool: ThreadPoolExecutor | None = None) -> Floats:
+        """Return the criterion of many x (k, p); each by itself, in whatever thread."""
+        found = map(self.value, xs) if pool is None else pool.map(self.value, xs)
+        return np.array(list(found))
+
+
+def grid(ranges: Sequence[tuple[float, float]], steps: Sequence[float]) -> tuple[Floats, Floats]:
+    """Return the poses of a grid over flexion, abduction and rotation: angles (m, 3), (m, 3, 3).
+
+    rad; the ends are in it, and steps of even size between that are not longer than those given.
+    """
+    sides = [
+        np.linspace(low, high, 1 + int(np.ceil((high - low) / step - 1e-9)))
+        for (low, high), step in zip(ranges, steps, strict=True)
+    ]
+    angles = np.stack(np.meshgrid(*sides, indexing='ij'), axis=-1).reshape(-1, 3)
+    convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
+    return angles, convention.rotations_and_axes(angles)[0]
+
+
+def _columns(rows: list[tuple[int, int, float, float, Floats]]) -> tuple:  # type: ignore[type-arg]
+    pose, band, value, root, axis = zip(*rows, strict=True) if rows else ((), (), (), (), ())
+    return (
+        np.array(pose, dtype=np.int64),
+        np.array(band, dtype=np.int64),
+        np.array(value, dtype=np.float64),
+        np.array(root, dtype=np.float64),
+        np.array(axis, dtype=np.float64).reshape(-1, 3),
+    )

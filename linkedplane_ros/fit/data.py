@@ -1,0 +1,256 @@
+"""Measured lengths and moment arms, read from a table (docs/fitting.md)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ..conventions import JOINT_CONVENTIONS, JointConvention, turn
+from ..model import BroadMuscle
+from ..recordings import RecordingError
+from ..tables import csv_rows, lines_of, listed, number, place
+
+Floats = npt.NDArray[np.float64]
+
+# Turns from the arm at the side about an axis that stays in the scapula (thesis ch. 5): x lateral,
+# y anterior, z superior, right-handed; scaption about the axis 30 deg lateral of posterior.
+MOTIONS: Mapping[str, tuple[float, float, float]] = {
+    'flexion': (1.0, 0.0, 0.0),
+    'abduction': (0.0, -1.0, 0.0),
+    'scaption': (0.5, -math.sqrt(0.75), 0.0),
+    'rotation': (0.0, 0.0, 1.0),
+}
+PARTS = ('band', 'head')  # one of these names the column that says what was measured
+UNITS = {'deg': math.pi / 180.0, 'rad': 1.0, 'mm': 1e-3, 'm': 1.0}
+SAME = 1e-9  # rad: rounding of angles that are the same
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What was measured of a band at a pose."""
+
+    part: str
+    """The head or band, as the table names it."""
+    band: int
+    """The band of the model that it is compared with: a head's is the one that represents it."""
+    motion: str
+    """The motion, or the coordinate that the moment arm is about."""
+    angles: tuple[float, ...]
+    """The angle of the motion, or the convention's three angles; rad."""
+    length: float
+    """m; NaN: not measured."""
+    arm: float
+    """m, positive where shortening carries the motion on; NaN: not measured."""
+    weight: float = 1.0
+    """Of the squared deviations."""
+    convention: JointConvention | None = None
+    """What three angles mean."""
+
+    @property
+    def angle(self) -> float:
+        """The angle of the motion or of the coordinate, rad."""
+        if self.convention is None:
+            return self.angles[0]
+        return self.angles[self.convention.coordinates.index(self.motion)]
+
+    def pose(self) -> tuple[Floats, Floats]:
+        """Return the rotation (3, 3) and the axis (3,) of the moment arm, both in the scapula."""
+        if self.convention is None:
+            axis = np.array(MOTIONS[self.motion])
+            return turn(axis, self.angles[0]), axis
+        rotation, axes = self.convention.rotation_and_axes(self.angles)
+        return rotation, axes[:, self.convention.coordinates.index(self.motion)]
+
+
+@dataclass(frozen=True)
+class Data:
+    """A table of measurements, and how it was read."""
+
+    path: Path
+    measurements: tuple[Measurement, ...]
+    angle_scale: float
+    step: float | None
+    """rad; None: at the table's own angles."""
+
+    @property
+    def reading(self) -> str:
+        """How the table was read, for reports."""
+        angles = 'angles as they stand'
+        if self.angle_scale != 1.0:
+            angles = f'angles times {self.angle_scale:g}'
+        return angles + (f', every {math.degrees(self.step):g} deg' if self.step else '')
+
+
+def read(
+    path: str | Path,
+    muscle: BroadMuscle,
+    convention: str = 'flexion_abduction_rotation',
+    angle_scale: float = 1.0,
+    step: float | None = None,
+) -> Data:
+    """Return the measurements of a CSV; RecordingError in one line for whatever is wrong.
+
+    A motion's angles are multiplied by `angle_scale`; its curves are then taken at the multiples of
+    `step` (rad), linear between the rows, where one is given.
+    """
+    path = Path(path)
+    with lines_of(path) as lines:
+        rows = csv_rows(lines)
+        line, names = next(rows, (1, []))
+        columns = Columns.of(line, [name.strip() for name in names], convention)
+        found = [columns.measurement(muscle, line, cells) for line, cells in rows]
+        if not found:
+            raise RecordingError(f'{line}: no rows of measurements after the names')
+    scaled = [
+        each if each.convention else replace(each, angles=(angle_scale * each.angles[0],))
+        for each in found
+    ]
+    if step is not None:
+        scaled = list(_stepped(scaled, step))
+        if not scaled:
+            raise RecordingError(f'{path}: no curve has an angle that is a multiple of the step')
+    return Data(path, tuple(scaled), angle_scale, step)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Where what stands in the rows of a table; -1: nowhere."""
+
+    names: tuple[str, ...]
+    part: int
+    motion: int
+    angles: tuple[tuple[int, float], ...]
+    """Each angle's column and its unit, rad."""
+    length: tuple[int, float]
+    arm: tuple[int, float]
+    weight: int
+    convention: JointConvention | None
+
+    @staticmethod
+    def of(line: int, names: Sequence[str], convention: str) -> Columns:
+        """Return the columns of a table; RecordingError for names that say too little or much."""
+        turns = JOINT_CONVENTIONS[convention]
+        by_motion = 'motion' in names
+        if by_motion == ('about' in names):
+            raise RecordingError(
+                f"{line}: a column 'motion' (with angle_deg) or 'about' (with "
+                f'{", ".join(f"{each}_deg" for each in turns.coordinates)}) expected; found '
+                f'{listed(names)}'
+            )
+        angles = ('angle',) if by_motion else turns.coordinates
+        part = next((name for name in PARTS if name in names), PARTS[0])
+        columns = Columns(
+            tuple(names),
+            place(line, names, part),
+            place(line, names, 'motion' if by_motion else 'about'),
+            tuple(_unit_column(line, names, each, ('deg', 'rad')) for each in angles),
+            _unit_column(line, names, 'length', ('mm', 'm'), needed=False),
+            _unit_column(line, names, 'moment_arm', ('mm', 'm'), needed=False),
+            names.index('weight') if 'weight' in names else -1,
+            None if by_motion else turns,
+        )
+        known = {k for k, _ in (*columns.angles, columns.length, columns.arm)}
+        known |= {columns.part, columns.motion, columns.weight}
+        for k, name in enumerate(names):
+            if k not in known and name != 'note':
+                raise RecordingError(f'{line}: column {name!r} means nothing here')
+        if columns.length[0] < 0 and columns.arm[0] < 0:
+            raise RecordingError(f'{line}: a column length_mm or moment_arm_mm expected')
+        return columns
+
+    def measurement(self, muscle: BroadMuscle, line: int, cells: Sequence[str]) -> Measurement:
+        """Return what a row says; RecordingError in one line for whatever is wrong."""
+        if len(cells) != len(self.names):
+            raise RecordingError(f'{line}: {len(cells)} cells; {len(self.names)} expected')
+
+        def value(column: tuple[int, float]) -> float:
+            k, unit = column
+            return unit * number(line, self.names[k], cells[k]) if k >= 0 else math.nan
+
+        part, motion = cells[self.part].strip(), cells[self.motion].strip()
+        motions = tuple(MOTIONS) if self.convention is None else self.convention.coordinates
+        if motion not in motions:
+            raise RecordingError(
+                f'{line}: column {self.names[self.motion]!r}: {motion[:40]!r}; one of '
+                f'{", ".join(motions)} expected'
+            )
+        found = Measurement(
+            part,
+            band_of(muscle, part, line),
+            motion,
+            tuple(value(column) for column in self.angles),
+            value(self.length),
+            value(self.arm),
+            value((self.weight, 1.0)) if self.weight >= 0 else 1.0,
+            self.convention,
+        )
+        _check(found, line)
+        return found
+
+
+def band_of(muscle: BroadMuscle, part: str, line: int) -> int:
+    """Return the band that a part of the table stands for: itself, or a head's representing one."""
+    represented = {head.name: head.represented_by for head in muscle.heads}
+    band = part if part in muscle.band_names else represented.get(part)
+    if band is None:
+        raise RecordingError(
+            f'{line}: {part[:40]!r} is neither a head of {muscle.name} ({", ".join(represented)}) '
+            f'nor one of its bands ({", ".join(muscle.band_names)})'
+        )
+    return muscle.band_names.index(band)
+
+
+def _check(found: Measurement, line: int) -> None:
+    if not all(map(math.isfinite, found.angles)):
+        raise RecordingError(f'{line}: an angle is missing or not finite')
+    if max(map(abs, found.angles)) > 2.0 * math.pi:
+        raise RecordingError(f'{line}: an angle beyond a full turn; in degrees, or in rad?')
+    if math.isnan(found.length) and math.isnan(found.arm):
+        raise RecordingError(f'{line}: neither a length nor a moment arm')
+    for name, value in (('length', found.length), ('moment arm', found.arm)):
+        if abs(value) > 1.0:
+            raise RecordingError(f'{line}: a {name} of {value:g} m; in mm, or in m?')
+    if found.length <= 0.0:
+        raise RecordingError(f'{line}: a length of {found.length:g} m; above 0 expected')
+    if not 0.0 <= found.weight < math.inf:
+        raise RecordingError(f'{line}: a weight of {found.weight:g}; 0 or more expected')
+
+
+def _unit_column(
+    line: int, names: Sequence[str], name: str, units: Sequence[str], needed: bool = True
+) -> tuple[int, float]:
+    """Return where a quantity stands, by its name and unit, and the unit in rad or m."""
+    found = [unit for unit in units if f'{name}_{unit}' in names]
+    if len(found) > 1 or (needed and not found):
+        raise RecordingError(
+            f'{line}: one column {" or ".join(f"{name}_{unit}" for unit in units)} expected; '
+            f'found {listed(names)}'
+        )
+    if not found:
+        return -1, 1.0
+    return place(line, names, f'{name}_{found[0]}'), UNITS[found[0]]
+
+
+def _stepped(measurements: Sequence[Measurement], step: float) -> Iterator[Measurement]:
+    """Yield the curves of motions at the multiples of a step, and what is no curve as it is."""
+    curves: dict[tuple[str, str], list[Measurement]] = {}
+    for each in measurements:
+        if each.convention is not None:
+            yield each
+        else:
+            curves.setdefault((each.motion, each.part), []).append(each)
+    for curve in curves.values():
+        curve.sort(key=lambda each: each.angle)
+        q = np.array([each.angle for each in curve])
+        first, last = math.ceil(q[0] / step - SAME), math.floor(q[-1] / step + SAME)
+        at = step * np.arange(first, last + 1)
+        columns = np.array([(each.length, each.arm, each.weight) for each in curve]).T
+        values = [np.interp(at, q, column).tolist() for column in columns]
+        for angle, length, arm, weight in zip(at.tolist(), *values, strict=True):
+            if not (math.isnan(length) and math.isnan(arm)):
+                yield replace(curve[0], angles=(angle,), length=length, arm=arm, weight=weight)

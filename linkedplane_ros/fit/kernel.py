@@ -1,0 +1,145 @@
+"""The muscle at the poses of a criterion, compiled: no Python objects between poses.
+
+A muscle comes as the flat sequence of the solver's kernels (`linked_planes`), but with its numbers
+as a file has them: the reference normal of any length, phi and 0 for the cosine and sine of phi.
+Every number of a model then stands in it as it is, and the sequence is linear in all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, inf, sin
+from typing import Any
+
+from ..band_path import halfway, path_of
+from ..compiled import compiled, entry, fingerprint
+from ..interference import deepest
+from ..kernels import rows_of
+from ..least_length import solve_theta
+from ..linked_planes import (
+    BAND_VECTORS,
+    FIRST_BAND,
+    GROUND,
+    HUMERUS,
+    NORMAL,
+    Band,
+    Muscle,
+    band_count,
+    band_vectors,
+    bands_at,
+    plane_at,
+    sphere_frame,
+    state_at,
+    vector,
+)
+from ..moment_vectors import muscle_state
+from ..vectors import ZERO, cross, dot, minus, norm, times
+
+ANGLE = 10  # where phi stands among the numbers of a band
+
+
+@compiled
+def prepare(muscle: Muscle) -> None:
+    """Make a flat muscle, in place, what the solver's kernels take."""
+    size = norm(vector(muscle, NORMAL))
+    for axis in range(3):
+        muscle[3 * NORMAL + axis] /= size
+    for i in range(band_count(muscle)):
+        k = 3 * (FIRST_BAND + BAND_VECTORS * i) + ANGLE
+        phi = muscle[k]
+        muscle[k], muscle[k + 1] = cos(phi), sin(phi)
+
+
+@compiled
+def end_inside(muscle: Muscle, i: int) -> float:
+    """Return how deep (m) a band's end that its sphere moves with lies in it, at any pose.
+
+    At least: infinite for a radius that is not positive.
+    """
+    P, S, centre, (R, _, _) = band_vectors(muscle, i)
+    if R <= 0.0:
+        return inf
+    frame = sphere_frame(muscle, i)
+    if frame == GROUND:
+        return R - norm(minus(centre, P))
+    if frame == HUMERUS:
+        return R - norm(minus(centre, S))
+    return R - norm(centre)
+
+
+@compiled
+def inside(band: Band) -> float:
+    """Return how deep (m) the deeper end of a band lies in its sphere; negative: how far off."""
+    section = band.section
+    to_S = norm(minus(band.p, times(section.D, band.u)))
+    return section.R - min(norm(band.p), to_S)
+
+
+def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
+    """Return `evaluate` as of the given state of the sources."""
+
+    @entry
+    def evaluate(
+        muscle: Muscle,
+        rotations: Any,
+        spheres: Any,
+        lengths: Any,
+        moments: Any,
+        states: Any,
+        depths: Any,
+        insides: Any,
+        gaps: Any,
+    ) -> tuple[int, float]:
+        """Fill in the muscle's states at m poses; the flat muscle is changed.
+
+        Lengths and moments as `solve_poses`, for the first poses, as many as they have rows; wrap
+        states (m, n); how deep each band enters the interference spheres and how deep its ends lie
+        in its own obstacle sphere (m, n), m; gaps (m, n - 1), m: by how much each band's middle
+        lies on the far side of the one before, seen from the joint's centre outwards.
+
+        Returns how many poses were solved and, if that is none because an end of a band lies in
+        its sphere at any pose, how deep, m.
+        """
+        _ = sources  # closed over, see compiled.fingerprint
+        n = band_count(muscle)
+        prepare(muscle)
+        most = -inf
+        for i in range(n):
+            most = max(most, end_inside(muscle, i))
+        if most >= 0.0:
+            return 0, most
+        bands = bands_at(muscle, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+        if len(bands) < n:
+            return 0, 0.0
+        neutral = solve_theta(bands, 0.0)[0]
+        for j in range(len(rotations)):
+            rotation = rows_of(rotations[j])
+            bands = bands_at(muscle, rotation)
+            if len(bands) < n:
+                return j, 0.0
+            theta, held = solve_theta(bands, neutral)
+            c, s = cos(theta), sin(theta)
+            if j < len(lengths):
+                muscle_state(
+                    muscle, rotation, bands, theta, held, lengths[j], moments[j], states[j]
+                )
+            else:
+                for i in range(n):
+                    d, b, _, _ = plane_at(bands[i].section, c, s)
+                    states[j, i] = state_at(bands[i].section, d, b, i == held)
+            middle, along = ZERO, ZERO
+            for i in range(n):
+                band = bands[i]
+                path = path_of(band, c, s, states[j, i])
+                depths[j, i] = deepest(path, spheres)
+                insides[j, i] = inside(band)
+                before, side = middle, cross(along, middle)
+                middle, along = halfway(path)
+                if i > 0:
+                    gaps[j, i - 1] = dot(minus(middle, before), side) / max(norm(side), 1e-9)
+        return len(rotations), 0.0
+
+    return evaluate
+
+
+evaluate = make_evaluate(fingerprint())

@@ -1,0 +1,348 @@
+"""What a fit may change: chosen coefficients of a model, and where they may go.
+
+A curve of which all coefficients are free is searched by its values at as many places along the
+muscle's breadth: these are lengths or angles that one can think of, and small steps of them are
+small steps of the muscle. The polynomials are the same; the file gets their coefficients.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+import numpy.typing as npt
+
+from ..definition import METRES, RADIANS, Curve, Definition, Listed, Polynomial
+from ..linked_planes import BAND_VECTORS, FIRST_BAND
+from ..solver import CODES
+from .kernel import ANGLE
+
+Floats = npt.NDArray[np.float64]
+
+THESIS = ('sphere.centre', 'sphere.radius', 'plane_angle', 'humeral_point')
+"""What the thesis fitted: 25 coefficients and the distance of HM (ch. 5)."""
+DISTANCE = 'humeral_point'
+"""The distance of HM from the joint's centre, along its own direction."""
+
+# Where the curves' values stand among the numbers of a band, and the points before the bands.
+SLOTS = {
+    'origin.x': 0, 'origin.y': 1, 'origin.z': 2, 'insertion.x': 3, 'insertion.y': 4,
+    'insertion.z': 5, 'sphere.centre.x': 6, 'sphere.centre.y': 7, 'sphere.centre.z': 8,
+    'sphere.radius': 9, 'plane_angle': ANGLE,
+}  # fmt: skip
+FRAME = 12
+POINTS = {'reference_normal': 0, 'sphere.ground_point': 3, 'sphere.humeral_point': 6}
+SMALLEST = 1e-3  # m: no radius is sought below
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Where the parameters of some places may go, in the file's units.
+
+    Between low and high; or at most a size from where they start, or a share of the largest size
+    that the quantity has over the bands.
+    """
+
+    pattern: str
+    low: float = -np.inf
+    high: float = np.inf
+    size: float = np.inf
+    share: float = np.inf
+
+    @staticmethod
+    def of(text: str) -> Bound:
+        """Return the bound that PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-SHARE% states."""
+        pattern, _, limits = text.rpartition('=')
+        bound = None
+        with suppress(ValueError):
+            if limits.startswith('+-') and limits.endswith('%'):
+                bound = Bound(pattern, share=0.01 * float(limits[2:-1]))
+            elif limits.startswith('+-'):
+                bound = Bound(pattern, size=float(limits[2:]))
+            else:
+                low, high = map(float, limits.split(':'))
+                bound = Bound(pattern, low, high)
+        if not bound or not (pattern and bound.low < bound.high and bound.size > 0 < bound.share):
+            raise ValueError(
+                f'bound {text!r}: PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-PERCENT% expected'
+            )
+        return bound
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that is sought, in the file's units."""
+
+    name: str
+    unit: str
+    start: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """The p parameters of a fit, and what they make of the model."""
+
+    definition: Definition
+    parameters: tuple[Parameter, ...]
+    base: Floats
+    """The flat muscle (kernel.py) with all parameters zero."""
+    flat: Floats
+    """(size, p) what each parameter adds to the flat muscle, by its unit."""
+    places: tuple[str, ...]
+    """The q places of the model file that change, by the names of `BroadMuscle.coefficients`."""
+    place_base: Floats
+    """(q,) their numbers with all parameters zero."""
+    place_rows: Floats
+    """(q, p) what each parameter adds to them, by its unit."""
+
+    @property
+    def start(self) -> Floats:
+        """(p,) where the model stands, moved into the bounds."""
+        each = [min(max(p.start, p.low), p.high) for p in self.parameters]
+        return np.array(each)
+
+    @property
+    def low(self) -> Floats:
+        """(p,) in the order of the parameters."""
+        return np.array([parameter.low for parameter in self.parameters])
+
+    @property
+    def high(self) -> Floats:
+        """(p,) in the order of the parameters."""
+        return np.array([parameter.high for parameter in self.parameters])
+
+    def muscle(self, x: Floats) -> Floats:
+        """Return the flat muscle at the parameters x (p,)."""
+        return self.base + self.flat @ x
+
+    def coefficients(self, x: Floats) -> dict[str, float]:
+        """Return the numbers of the model file at the parameters x (p,), by their places."""
+        numbers = self.place_base + self.place_rows @ x
+        return dict(zip(self.places, numbers.tolist(), strict=True))
+
+
+def places(definition: Definition) -> dict[str, float]:
+    """Return every number that can be free by its place; HM by its distance alone."""
+    numbers: dict[str, float] = {}
+    names = place_names(definition)
+    for key, curve in definition.curves().items():
+        numbers.update(zip(names[key], _values(curve), strict=True))
+    given = {'reference_normal': definition.reference_normal}
+    if definition.ground_point is not None and definition.humeral_point is not None:
+        given['sphere.ground_point'] = definition.ground_point
+        numbers[DISTANCE] = float(np.linalg.norm(definition.humeral_point))
+    for key, point in given.items():
+        numbers.update({f'{key}[{axis}]': value for axis, value in enumerate(point)})
+    return numbers
+
+
+def matches(pattern: str, place: str) -> bool:
+    """Return whether a place, or the beginning of it up to a . or [, is what a pattern says."""
+    starts = [place, *(place[: found.start()] for found in re.finditer(r'[.\[]', place))]
+    escaped = pattern.replace('[', '[[]')  # an index, not a set of characters
+    return any(fnmatchcase(start, escaped) for start in starts)
+
+
+def chosen(definition: Definition, patterns: Sequence[str]) -> list[str]:
+    """Return the places that the patterns choose, in the file's order; ValueError for none."""
+    known = places(definition)
+    for pattern in patterns:
+        if not any(matches(pattern, place) for place in known):
+            heads = dict.fromkeys(re.split(r'\[|\.list', place)[0] for place in known)
+            raise ValueError(
+                f'free: {pattern!r} is nothing of {definition.name}; it has {", ".join(heads)}'
+            )
+    return [place for place in known if any(matches(pattern, place) for pattern in patterns)]
+
+
+def space(
+    definition: Definition,
+    free: Sequence[str] = THESIS,
+    bounds: Sequence[Bound] = (),
+    reach: tuple[float, float] = (0.03, 0.5),
+) -> Space:
+    """Return the parameters that patterns of places free, and the model as they make it.
+
+    A later bound goes before an earlier one; without one, no value at a band may move by more than
+    `reach`, m or rad. ValueError for a pattern that fits nothing and bounds that leave no room.
+    """
+    builder = _Builder(definition, bounds, reach)
+    left = chosen(definition, free)
+    unused = [bound.pattern for bound in bounds if not any(matches(bound.pattern, p) for p in left)]
+    if unused:
+        raise ValueError(f'bound: {unused[0]!r} is none of what is free')
+    names = place_names(definition)
+    for key, curve in definition.curves().items():
+        mine = [place for place in names[key] if place in left]
+        if mine:
+            builder.curve(key, curve, mine)
+    for key in POINTS:
+        for axis in range(3):
+            if (place := f'{key}[{axis}]') in left:
+                builder.point(key, axis, place)
+    if DISTANCE in left:
+        builder.distance()
+    return builder.made()
+
+
+class _Builder:
+    """Gathers parameters one by one, each a column of what it adds."""
+
+    def __init__(
+        self, definition: Definition, bounds: Sequence[Bound], reach: tuple[float, float]
+    ) -> None:
+        self.definition, self.bounds, self.reach = definition, bounds, reach
+        self.n = len(definition.band_names)
+        self.metres, self.radians = METRES[definition.length], RADIANS[definition.angle]
+        self.parameters: list[Parameter] = []
+        self.columns: list[Floats] = []
+        self.rows: list[dict[str, float]] = []
+        self.numbers = places(definition)
+        if definition.humeral_point is not None:
+            for axis, value in enumerate(definition.humeral_point):
+                self.numbers[f'sphere.humeral_point[{axis}]'] = value
+
+    def curve(self, key: str, curve: Curve, mine: Sequence[str]) -> None:
+        """Add a curve, by values along s if all of it is free, else its free coefficients."""
+        names = place_names(self.definition)[key]
+        values = _values(curve)
+        if not isinstance(curve, Polynomial):
+            at_bands = np.eye(self.n)
+        else:
+            at_bands = np.vander(self.definition.s_of_bands, len(values))
+        if isinstance(curve, Polynomial) and len(mine) == len(values) > 1:
+            at = nodes(self.definition.s_of_bands, len(values))
+            from_values = np.linalg.inv(np.vander(at, len(values)))
+            for j, value in enumerate(np.polyval(values, at).tolist()):
+                rows = dict(zip(names, from_values[:, j].tolist(), strict=True))
+                name = f'{key}(s={at[j]:.2f})'
+                self._of_curve(name, key, value, at_bands @ from_values[:, j], rows, 1.0)
+            return
+        for place in mine:
+            i = names.index(place)
+            effect = max(float(np.abs(at_bands[:, i]).max()), 1e-12)
+            self._of_curve(place, key, values[i], at_bands[:, i], {place: 1.0}, effect)
+
+    def _of_curve(
+        self, name: str, key: str, start: float, at_bands: Floats, rows: Mapping[str, float],
+        effect: float,
+    ) -> None:  # fmt: skip
+        """Add a parameter of a curve; at a band it counts `effect` times at the most."""
+        angle = key == 'plane_angle'
+        size, unit = self._unit(angle)
+        column = np.zeros(3 * (FIRST_BAND + BAND_VECTORS * self.n))
+        column[3 * FIRST_BAND + SLOTS[key] :: 3 * BAND_VECTORS] = size * at_bands
+        whole = float(np.abs(self.definition.values[key]).max()) / effect
+        reach = self.reach[angle] / size / effect
+        low, high = self._limits(next(iter(rows)), start, whole, reach)
+        if key == 'sphere.radius' and effect == 1.0:
+            low = max(low, SMALLEST / size)
+        self._add(Parameter(name, unit, start, low, high), column, rows)
+
+    def point(self, key: str, axis: int, place: str) -> None:
+        """Add a coordinate of N (which has no unit) or of SC."""
+        is_point = key != 'reference_normal'
+        size, unit = self._unit(False) if is_point else (1.0, '1')
+        column = np.zeros(3 * (FIRST_BAND + BAND_VECTORS * self.n))
+        column[POINTS[key] + axis] = size
+        start = self.numbers[place]
+        reach = self.reach[0] / size if is_point else 0.5
+        low, high = self._limits(place, start, abs(start), reach)
+        self._add(Parameter(place, unit, start, low, high), column, {place: 1.0})
+
+    def distance(self) -> None:
+        """Add the distance of HM from the joint's centre."""
+        point = np.array(self.definition.humeral_point)
+        start = float(np.linalg.norm(point))
+        if not start > 0.0:
+            raise ValueError(f'free: {DISTANCE}: HM lies in the joint centre, without a direction')
+        size, unit = self._unit(False)
+        column = np.zeros(3 * (FIRST_BAND + BAND_VECTORS * self.n))
+        k = POINTS['sphere.humeral_point']
+        column[k : k + 3] = size * point / start
+        rows = {f'sphere.humeral_point[{axis}]': v for axis, v in enumerate(point / start)}
+        low, high = self._limits(DISTANCE, start, start, self.reach[0] / size)
+        self._add(Parameter(DISTANCE, unit, start, low, high), column, rows)
+
+    def _unit(self, angle: bool) -> tuple[float, str]:
+        if angle:
+            return self.radians, self.definition.angle
+        return self.metres, self.definition.length
+
+    def _limits(self, place: str, start: float, whole: float, reach: float) -> tuple[float, float]:
+        bound = Bound('', size=reach)
+        for each in self.bounds:
+            if matches(each.pattern, place):
+                bound = each
+        room = min(bound.size, bound.share * whole)
+        low, high = max(bound.low, start - room), min(bound.high, start + room)
+        if not low < high:
+            raise ValueError(f'bound: {bound.pattern}: no room for {place} about {start:g}')
+        return low, high
+
+    def _add(self, parameter: Parameter, column: Floats, rows: Mapping[str, float]) -> None:
+        self.parameters.append(parameter)
+        self.columns.append(column)
+        self.rows.append(dict(rows))
+
+    def made(self) -> Space:
+        """Return all of it as arrays."""
+        start = np.array([parameter.start for parameter in self.parameters])
+        flat = np.array(self.columns).T
+        names = tuple(dict.fromkeys(place for rows in self.rows for place in rows))
+        matrix = np.array([[rows.get(place, 0.0) for rows in self.rows] for place in names])
+        now = np.array([self.numbers[place] for place in names])
+        base = flat_numbers(self.definition) - flat @ start
+        rest = now - matrix @ start
+        return Space(self.definition, tuple(self.parameters), base, flat, names, rest, matrix)
+
+
+def nodes(s: Floats, k: int) -> Floats:
+    """Return k places, dense at the ends (Chebyshev's extremes), over the s of the bands."""
+    low, high = float(s.min()), float(s.max())
+    ways = -np.cos(np.pi * np.arange(k) / (k - 1))
+    return np.asarray(0.5 * (low + high) + 0.5 * (high - low) * ways)
+
+
+def flat_numbers(definition: Definition) -> Floats:
+    """Return a definition as `kernel.evaluate` takes it: m and rad."""
+    n = len(definition.band_names)
+    bands = np.zeros((n, 3 * BAND_VECTORS))
+    for key, slot in SLOTS.items():
+        unit = RADIANS[definition.angle] if key == 'plane_angle' else METRES[definition.length]
+        bands[:, slot] = unit * definition.values[key]
+    frames = definition.sphere_frame
+    each = (frames,) * n if isinstance(frames, str) else frames
+    bands[:, FRAME] = [CODES[frame] for frame in each]
+    points = np.zeros((FIRST_BAND, 3))
+    points[0] = definition.reference_normal
+    for k, point in enumerate((definition.ground_point, definition.humeral_point), 1):
+        if point is not None:
+            points[k] = METRES[definition.length] * np.array(point)
+    return np.concatenate((points.ravel(), bands.ravel()))
+
+
+def place_names(definition: Definition) -> dict[str, list[str]]:
+    """Return the places of each curve's numbers, as `BroadMuscle.coefficients` names them."""
+    curves = definition.curves()
+    names = {}
+    for key, curve in curves.items():
+        count = len(_values(curve))
+        point, _, axis = key.rpartition('.')
+        if isinstance(curve, Polynomial):
+            names[key] = [key] if count == 1 else [f'{key}[{i}]' for i in range(count)]
+        elif axis in 'xyz' and all(isinstance(curves[f'{point}.{a}'], Listed) for a in 'xyz'):
+            names[key] = [f'{point}.list[{i}][{"xyz".index(axis)}]' for i in range(count)]
+        else:
+            names[key] = [f'{key}.list[{i}]' for i in range(count)]
+    return names
+
+
+def _values(curve: Curve) -> tuple[float, ...]:
+    return curve.coefficients if isinstance(curve, Polynomial) else curve.values
