@@ -13,7 +13,7 @@ ros = [
     'ros-jazzy-rmw-fastrtps-cpp',
 ]
 fast = ['numba']
-tools = ['matplotlib', 'pyarrow', 'rich', 'rosbags', 'scipy']
+tools = ['matplotlib', 'pyarrow', 'pymoo>=0.6.2', 'rich', 'rosbags', 'scipy']
 viewer = ['viser>=1.1,<2']
 cluster = ['dask[distributed]']
 bench = ['mujoco>=3.6', 'opensim']

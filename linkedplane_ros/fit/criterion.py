@@ -4,21 +4,23 @@ Equation 5.7 of the thesis: the sum of the squared deviations of lengths (mm) an
 (mm) over parts, motions and steps; each times the weight of its row and of its kind. What no muscle
 may do is added band by band and pose by pose, 100 mm^-2 times a square: how deep its path enters an
 interference sphere (the thesis added 10,000 at any depth; here that is reached at 10 mm, and the
-slope shows the way out), how much it falls short of its place behind the band before it, and how
-deep an end of it lies in its own obstacle sphere, where it has no path.
+slope shows the way out), how much it falls short of its place behind the band before it, how far it
+is past the edge of its own obstacle sphere where its length jumps, and how deep an end of it lies
+in that sphere, where it has no path.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from ..conventions import JOINT_CONVENTIONS
 from ..interference import spheres_of
+from ..linked_planes import BAND_VECTORS, FIRST_BAND
 from ..model import BroadMuscle
 from .data import Data
 from .kernel import evaluate
@@ -28,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 
 MM = 1e3  # millimetres in a metre
 PENALTY = 100.0  # mm^-2
-MARGIN = 1.0  # mm: by how much the ends of bands have to keep off their own spheres
+MARGIN = 1e-3  # m: by how much bands have to keep off jumps, and their ends off their own spheres
 IMPOSSIBLE = 1e9  # of a muscle that has no path at any pose; more the farther from having one
 
 
@@ -40,6 +42,7 @@ class Weights:
     arm: float = 1.0
     interference: float = 1.0
     order: float = 0.0
+    jumps: float = 0.0
     clearance: float = 0.0
     """By which paths have to keep off the interference spheres, m."""
     gap: float = 1e-3
@@ -62,6 +65,8 @@ class States:
     """(m, n) how deep each band enters the interference spheres, m; negative: how far off."""
     insides: Floats
     """(m, n) how deep its ends lie in its own obstacle sphere, m."""
+    edges: Floats
+    """(m, n) how far each band is past the edge where its length jumps, m."""
     gaps: Floats
     """(m, n - 1) by how much each band lies behind the one before it, m."""
 
@@ -116,17 +121,14 @@ class Criterion:
             weights or Weights(),
         )
 
+    def also_at(self, more: Floats) -> Criterion:
+        """Return the criterion with further poses (k, 3, 3) where nothing was measured."""
+        return replace(self, rotations=np.concatenate((self.rotations, more)))
+
     def states(self, x: Floats) -> States | float:
         """Return the muscle at the poses; for one that has no path, how far it is from one, m."""
-        m, n = len(self.rotations), len(self.space.definition.band_names)
-        lengths, moments = np.empty((self.measured, n)), np.empty((self.measured, 3 * n))
-        wrap = np.empty((m, n), dtype=np.uint8)
-        depths, insides, gaps = np.empty((m, n)), np.empty((m, n)), np.empty((m, n - 1))
-        filled = lengths, moments, wrap, depths, insides, gaps
-        solved, off = evaluate(self.space.muscle(x), self.rotations, self.spheres, *filled)
-        if solved < m:
-            return min(float(off), 1.0)
-        return States(lengths, moments.reshape(-1, n, 3), wrap, depths, insides, gaps)
+        muscle = self.space.muscle(x)
+        return posed(muscle, self.rotations, self.spheres, self.measured)
 
     def deviations(self, states: States) -> tuple[Floats, Floats]:
         """Return modelled less measured lengths and moment arms, mm, row by row, no weights."""
@@ -139,7 +141,7 @@ class Criterion:
     def parts(self, states: States) -> list[Floats]:
         """Return what squared and summed is the criterion, mm; what weighs nothing is left out.
 
-        Lengths, moment arms, then for all poses interference, order and ends in spheres.
+        Lengths, moment arms, then the faults of all poses.
         """
         weights = self.weights
         lengths, arms = self.deviations(states)
@@ -147,14 +149,20 @@ class Criterion:
             weights.length**0.5 * self.of_length[3] * lengths,
             weights.arm**0.5 * self.of_arm[3] * arms,
         ]
-        for weight, by in (
+        return parts + [part.ravel() for part in self.faults(states)]
+
+    def faults(self, states: States) -> list[Floats]:
+        """Return the parts that are of every pose and band, (m, n) or (m, n - 1), mm."""
+        weights = self.weights
+        kinds = (
             (weights.interference, states.depths + weights.clearance),
             (weights.order, weights.gap - states.gaps),
-            (1.0, states.insides + 1e-3 * MARGIN),
-        ):
-            if weight:
-                parts.append((PENALTY * weight) ** 0.5 * MM * np.maximum(by, 0.0).ravel())
-        return parts
+            (weights.jumps, states.edges + MARGIN),
+            (1.0, states.insides + MARGIN),
+        )
+        return [
+            (PENALTY * weight) ** 0.5 * MM * np.maximum(by, 0.0) for weight, by in kinds if weight
+        ]
 
     def residuals(self, x: Floats) -> Floats | float:
         """Return all parts at x in a row, mm; for a muscle without paths as `states`."""
@@ -172,6 +180,22 @@ class Criterion:
         """Return the criterion of many x (k, p); each by itself, in whatever thread."""
         found = map(self.value, xs) if pool is None else pool.map(self.value, xs)
         return np.array(list(found))
+
+
+def posed(muscle: Floats, rotations: Floats, spheres: Floats, measured: int) -> States | float:
+    """Return a flat muscle (kernel.py) at m poses, lengths and moments for the first ones alone.
+
+    For a muscle that has no path at a pose, how deep its ends lie in their spheres, m.
+    """
+    m, n = len(rotations), (len(muscle) // 3 - FIRST_BAND) // BAND_VECTORS
+    lengths, moments = np.empty((measured, n)), np.empty((measured, 3 * n))
+    wrap = np.empty((m, n), dtype=np.uint8)
+    depths, insides, edges = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
+    filled = lengths, moments, wrap, depths, insides, edges, np.empty((m, n - 1))
+    solved, off = evaluate(muscle, rotations, spheres, *filled)
+    if solved < m:
+        return min(float(off), 1.0)
+    return States(lengths, moments.reshape(-1, n, 3), *filled[2:])
 
 
 def grid(ranges: Sequence[tuple[float, float]], steps: Sequence[float]) -> tuple[Floats, Floats]:

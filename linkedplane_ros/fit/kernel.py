@@ -11,6 +11,7 @@ from collections.abc import Callable
 from math import cos, inf, sin
 from typing import Any
 
+from ..band import PIERCED
 from ..band_path import halfway, path_of
 from ..compiled import compiled, entry, fingerprint
 from ..interference import deepest
@@ -24,6 +25,7 @@ from ..linked_planes import (
     NORMAL,
     Band,
     Muscle,
+    Section,
     band_count,
     band_vectors,
     bands_at,
@@ -75,6 +77,18 @@ def inside(band: Band) -> float:
     return section.R - min(norm(band.p), to_S)
 
 
+@compiled
+def past_edge(section: Section, d: float, b: float) -> float:
+    """Return how far (m) a band is past the edge where its length jumps; negative: how far off.
+
+    It jumps where a plane leaves the sphere while the sphere lies on the side of the bulge (b > 0).
+    A band whose line pierces the sphere wraps it in every plane.
+    """
+    if section.kind == PIERCED:
+        return -section.R
+    return min(b, abs(d) - section.R)
+
+
 def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
     """Return `evaluate` as of the given state of the sources."""
 
@@ -88,14 +102,16 @@ def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
         states: Any,
         depths: Any,
         insides: Any,
+        edges: Any,
         gaps: Any,
     ) -> tuple[int, float]:
         """Fill in the muscle's states at m poses; the flat muscle is changed.
 
         Lengths and moments as `solve_poses`, for the first poses, as many as they have rows; wrap
         states (m, n); how deep each band enters the interference spheres and how deep its ends lie
-        in its own obstacle sphere (m, n), m; gaps (m, n - 1), m: by how much each band's middle
-        lies on the far side of the one before, seen from the joint's centre outwards.
+        in its own obstacle sphere (m, n), m; how far it is past the edge where its length jumps
+        (m, n), m; gaps (m, n - 1), m: by how much each band's middle lies on the far side of the
+        one before, seen from the joint's centre outwards.
 
         Returns how many poses were solved and, if that is none because an end of a band lies in
         its sphere at any pose, how deep, m.
@@ -123,16 +139,15 @@ def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
                 muscle_state(
                     muscle, rotation, bands, theta, held, lengths[j], moments[j], states[j]
                 )
-            else:
-                for i in range(n):
-                    d, b, _, _ = plane_at(bands[i].section, c, s)
-                    states[j, i] = state_at(bands[i].section, d, b, i == held)
             middle, along = ZERO, ZERO
             for i in range(n):
                 band = bands[i]
+                d, b, _, _ = plane_at(band.section, c, s)
+                states[j, i] = state_at(band.section, d, b, i == held)
                 path = path_of(band, c, s, states[j, i])
                 depths[j, i] = deepest(path, spheres)
                 insides[j, i] = inside(band)
+                edges[j, i] = past_edge(band.section, d, b)
                 before, side = middle, cross(along, middle)
                 middle, along = halfway(path)
                 if i > 0:

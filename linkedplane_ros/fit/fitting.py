@@ -1,0 +1,208 @@
+"""A fit from beginning to end: rounds of a swarm and its polish, to be stopped and taken up."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import __version__
+from ..model_writing import content
+from .criterion import Criterion, posed
+from .polish import polished
+from .swarm import Swarm, scattered
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How long and how widely to search."""
+
+    particles: int = 50
+    generations: int = 150
+    rounds: int = 1
+    """Each after the first begins about the best place so far, in half the width of the last."""
+    polish: int = 100
+    """Steps of least squares after each swarm; 0: none."""
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a fit has come."""
+
+    round: int
+    generation: int
+    best: float
+    """The least criterion so far, mm^2."""
+
+
+WATCHED = 30  # poses that are added at a time
+PATIENCE = 6  # times that poses are added to a round
+
+
+@dataclass
+class Search:
+    """All that a fit knows between two generations."""
+
+    best: Floats
+    """(p,) in the unit box"""
+    value: float
+    round: int = 0
+    swarm: Swarm | None = None
+    """None before a round's first generation."""
+    generation: int = 0
+    """Done in this round."""
+    added: tuple[int, ...] = ()
+    """Of the watched poses, those that the criterion has taken in."""
+
+    def state(self) -> dict[str, Any]:
+        """Return it as JSON can hold it."""
+        return {
+            'best': self.best.tolist(),
+            'value': self.value,
+            'round': self.round,
+            'generation': self.generation,
+            'added': self.added,
+            'swarm': self.swarm and self.swarm.state(),
+        }
+
+    @staticmethod
+    def resumed(state: dict[str, Any]) -> Search:
+        """Return the search that had this state."""
+        return Search(
+            np.array(state['best']),
+            state['value'],
+            state['round'],
+            state['swarm'] and Swarm.resumed(state['swarm']),
+            state['generation'],
+            tuple(state['added']),
+        )
+
+
+def fit(
+    criterion: Criterion,
+    plan: Plan,
+    watch: Floats | None = None,
+    state: dict[str, Any] | None = None,
+    jobs: int = 1,
+    tell: Callable[[Progress, Search], None] = lambda progress, search: None,
+) -> tuple[Floats, float]:
+    """Return the best parameters (p,) found, and the criterion there, mm^2.
+
+    Where the best muscle of a round does what none may do at poses to `watch` (k, 3, 3), the
+    criterion takes in the worst of them and the round is polished again: few poses that count stand
+    for many. The same criterion, plan and machine give the same answer, whatever `jobs`, and also
+    from the `state` of a Search that `tell`, called after every generation, was given.
+    """
+    with ThreadPoolExecutor(jobs) as threads:
+        work = _Work(criterion, threads if jobs > 1 else None, watch)
+        if state is None:
+            start = (criterion.space.start - work.low) / work.room
+            search = Search(start, math.inf)
+        else:
+            search = Search.resumed(state)
+        work.take_in(search, search.added)
+        if state is None:
+            search.value = work.value(search.best)
+        while search.round < plan.rounds:
+            _swarm(search, plan, work, tell)
+            if plan.polish:
+                _polish(search, plan, work)
+            search.round, search.generation, search.swarm = search.round + 1, 0, None
+            tell(Progress(search.round, 0, search.value), search)
+    return work.low + work.room * search.best, search.value
+
+
+class _Work:
+    """The criterion over the unit box, and the poses that it has to watch."""
+
+    def __init__(
+        self, criterion: Criterion, pool: ThreadPoolExecutor | None, watch: Floats | None
+    ) -> None:
+        self.criterion, self.pool = criterion, pool
+        self.watch = np.empty((0, 3, 3)) if watch is None else watch
+        self.low = criterion.space.low
+        self.room = criterion.space.high - self.low
+
+    def values(self, units: Floats) -> Floats:
+        return self.criterion.values(self.low + self.room * units, self.pool)
+
+    def value(self, unit: Floats) -> float:
+        return self.criterion.value(self.low + self.room * unit)
+
+    def residuals(self, unit: Floats) -> Floats | float:
+        return self.criterion.residuals(self.low + self.room * unit)
+
+    def take_in(self, search: Search, poses: Sequence[int]) -> None:
+        """Add watched poses to the criterion; the search's value is that of the new one."""
+        if poses:
+            self.criterion = self.criterion.also_at(self.watch[list(poses)])
+            search.value = self.value(search.best)
+
+    def worst(self, search: Search) -> list[int]:
+        """Return the watched poses, not yet taken in, with the worst faults of the best muscle."""
+        one = self.criterion
+        muscle = one.space.muscle(self.low + self.room * search.best)
+        states = posed(muscle, self.watch, one.spheres, 0)
+        if isinstance(states, float) or not len(self.watch):
+            return []
+        each = sum((part**2).sum(axis=1) for part in one.faults(states))
+        each[list(search.added)] = 0.0
+        order = np.argsort(-each, kind='stable')[:WATCHED]
+        return [int(k) for k in order if each[k] > 0.0]
+
+
+def _swarm(
+    search: Search, plan: Plan, work: _Work, tell: Callable[[Progress, Search], None]
+) -> None:
+    """Run the generations of a round that are left; the search keeps the best."""
+    if search.swarm is None and plan.generations:
+        seed = plan.seed, search.round
+        first = scattered(search.best, plan.particles, 0.5**search.round, seed)
+        search.swarm = Swarm(first, int(np.random.default_rng((*seed, 1)).integers(2**31)))
+    while search.swarm and search.generation < plan.generations:
+        search.swarm.tell(work.values(search.swarm.ask()))
+        search.generation += 1
+        place, value = search.swarm.best
+        if value < search.value:
+            search.best, search.value = place, value
+        tell(Progress(search.round, search.generation, search.value), search)
+
+
+def _polish(search: Search, plan: Plan, work: _Work) -> None:
+    """Polish the best of a round, and again with the worst of the watched poses taken in."""
+    for _ in range(PATIENCE):
+        search.best = polished(work.residuals, search.best, plan.polish, work.pool)
+        search.value = work.value(search.best)
+        poses = work.worst(search)
+        if not poses:
+            break
+        search.added += tuple(poses)
+        work.take_in(search, poses)
+
+
+def fingerprint(criterion: Criterion, plan: Plan, watch: Floats | None = None) -> str:
+    """Return a name for a fit: of its model, data, parameters, weights, poses and plan."""
+    space = criterion.space
+    stated = {
+        'version': __version__,
+        'model': content(space.definition),
+        'parameters': [asdict(parameter) for parameter in space.parameters],
+        'weights': asdict(criterion.weights),
+        'plan': asdict(plan),
+    }
+    digest = hashlib.sha256(json.dumps(stated, sort_keys=True).encode())
+    watched = () if watch is None else (watch,)
+    poses = criterion.rotations, criterion.spheres, *watched
+    for array in (*poses, *criterion.of_length, *criterion.of_arm):
+        digest.update(array.tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,53 @@
+"""The way down from the swarm's best place: least squares on the criterion's residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import numpy.typing as npt
+
+from .swarm import INSTALL
+
+Floats = npt.NDArray[np.float64]
+Residuals = Callable[[Floats], 'Floats | float']
+
+STEP = 1e-6  # of the unit box: a derivative by differences is then good to some 1e-6 of itself
+WALL = 1e4  # mm: each residual of a muscle that has no path
+
+
+def polished(
+    residuals: Residuals, start: Floats, evaluations: int, pool: ThreadPoolExecutor | None = None
+) -> Floats:
+    """Return a place (p,) in the unit box where the sum of squares is not greater than at start.
+
+    `residuals` gives a float where there are none. The trust region of SciPy's `least_squares`
+    keeps to the box; `evaluations` bounds its steps, each with p more for the derivatives.
+    """
+    try:
+        from scipy.optimize import least_squares  # type: ignore[import-untyped, unused-ignore]
+    except ImportError:
+        raise ValueError(INSTALL) from None
+    inside = np.clip(start, STEP, 1.0 - STEP)
+    here = residuals(inside)
+    if isinstance(here, float):
+        return start
+    count = len(here)
+
+    def walled(x: Floats) -> Floats:
+        found = residuals(x)
+        return np.full(count, WALL) if isinstance(found, float) else found
+
+    def slopes(x: Floats) -> Floats:
+        middle = walled(x)
+        steps = np.where(x + STEP < 1.0, STEP, -STEP)
+        moved = x + np.diag(steps)
+        found = map(walled, moved) if pool is None else pool.map(walled, moved)
+        return np.array([(each - middle) / h for each, h in zip(found, steps, strict=True)]).T
+
+    answer = least_squares(walled, inside, jac=slopes, bounds=(0.0, 1.0), max_nfev=evaluations)
+    before = residuals(start)
+    if isinstance(before, float) or answer.fun @ answer.fun < before @ before:
+        return np.asarray(answer.x, dtype=np.float64)
+    return start
