@@ -1,0 +1,307 @@
+"""`linkedplane fit`: chosen coefficients of a model, fitted to measurements."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import shlex
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..cli import counting, not_negative, positive
+from ..conventions import JOINT_CONVENTIONS
+from ..model import BroadMuscle
+from .checkpoint import Checkpoint
+from .criterion import Criterion, Weights, grid
+from .data import read
+from .figure import draw
+from .fitting import Plan, Progress, Search, fingerprint, fit
+from .over_range import STEPS, WHOLE, over_range
+from .parameters import THESIS, Bound, space
+from .report import Outcome, at_bounds, markdown
+
+KINDS = ('length', 'arm', 'interference', 'order', 'jumps')
+COARSE = (40.0, 60.0, 60.0)  # deg, flexion, abduction, rotation: poses that count from the first
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what the command takes."""
+    add = parser.add_argument
+    add('model', metavar='MODEL', help='where to start: a bundled model or a .yaml file')
+    add('data', metavar='DATA.csv', help='measured lengths and moment arms (docs/fitting.md)')
+    add('out', metavar='OUT.yaml', help='the fitted model; its report stands beside it')
+    what = parser.add_argument_group('what is fitted')
+    add = what.add_argument
+    add(
+        '--free',
+        nargs='+',
+        metavar='PATTERN',
+        default=list(THESIS),
+        help=f'coefficients by their places, * for anything (default: {" ".join(THESIS)})',
+    )
+    add(
+        '--bound',
+        nargs='+',
+        metavar='BOUND',
+        default=[],
+        help="PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-PERCENT%%, in the file's units",
+    )
+    add(
+        '--reach',
+        nargs=2,
+        type=positive,
+        metavar=('MM', 'RAD'),
+        default=(30.0, 0.5),
+        help='how far anything without a bound may go from its start (default 30 0.5)',
+    )
+    add(
+        '--convention',
+        choices=tuple(JOINT_CONVENTIONS),
+        default='flexion_abduction_rotation',
+        help='what three angles in the data mean',
+    )
+    add(
+        '--angle-scale',
+        type=positive,
+        default=1.0,
+        metavar='F',
+        help="multiply the angles of the data's motions, e.g. 0.6667 for angles to the thorax",
+    )
+    add(
+        '--every',
+        type=positive,
+        metavar='DEG',
+        help="take the data's curves at multiples of this angle (default: as they stand)",
+    )
+    add(
+        '--arm-scale',
+        type=positive,
+        default=1.0,
+        metavar='F',
+        help='multiply modelled moment arms; the thesis takes 0.5',
+    )
+    add(
+        '--weights',
+        nargs='+',
+        type=weight,
+        metavar='KIND=WEIGHT',
+        default=[],
+        help=f'of {", ".join(KINDS)} (default: length=1 arm=1 interference=1, others 0)',
+    )
+    add(
+        '--over',
+        choices=('data', 'range'),
+        default='data',
+        help="where interference, order and jumps count: at the data's poses, or over the model's "
+        'whole range of motion (order=1 jumps=1 then)',
+    )
+    add(
+        '--clearance',
+        type=float,
+        default=0.0,
+        metavar='MM',
+        help='keep paths so far off the interference spheres; negative: let them in so far',
+    )
+    how = parser.add_argument_group('how')
+    add = how.add_argument
+    add('--particles', type=several, default=50, metavar='N', help='of the swarm (default 50)')
+    add('--generations', type=whole, default=150, metavar='N', help='of each round (default 150)')
+    add(
+        '--rounds',
+        type=counting,
+        default=1,
+        metavar='N',
+        help='of swarm and polish, each in half the width of the last (default 1)',
+    )
+    add(
+        '--polish',
+        type=whole,
+        default=100,
+        metavar='N',
+        help='steps of least squares after each swarm (default 100)',
+    )
+    add('--seed', type=whole, default=0, metavar='N', help='of all random numbers (default 0)')
+    add(
+        '--jobs',
+        type=counting,
+        default=1,
+        metavar='N',
+        help='particles at a time (default 1); the answer is the same',
+    )
+    add('--resume', action='store_true', help='go on with a fit that was stopped')
+    add('--force', action='store_true', help='replace an output that exists')
+    add('--name', help="the fitted model's name (default: that of the file)")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Fit chosen coefficients of a model to measured lengths and moment arms."""
+    out = Path(args.out)
+    if out.suffix not in ('.yaml', '.yml'):
+        raise ValueError(f'{out}: a model file ends in .yaml')
+    muscle = BroadMuscle.load(args.model)
+    name = args.name or out.stem
+    criterion, watch, data = _stated(args, muscle)
+    plan = Plan(args.particles, args.generations, args.rounds, args.polish, args.seed)
+    checkpoint = Checkpoint(out.with_suffix('.checkpoint'), fingerprint(criterion, plan, watch))
+    state = _begun(args, out, checkpoint)
+    found = _searched(criterion, plan, watch, args.jobs, checkpoint, state)
+    numbers = {
+        place: float(f'{v:.12g}') for place, v in criterion.space.coefficients(found).items()
+    }
+    fitted = muscle.with_coefficients(numbers)
+    source = f'{muscle.source}; fitted to {data.path.name} ({data.reading})'
+    fitted = BroadMuscle.of(replace(fitted.definition, name=name, source=source))
+    before, after = over_range(muscle), over_range(fitted)
+    start = criterion.space.start
+    command = 'linkedplane fit ' + shlex.join(sys.argv[2:])
+    outcome = Outcome(
+        f'Fit of {name}', command, data, criterion, muscle, fitted, start, found, (before, after)
+    )
+    fitted.to_yaml(out)
+    picture, report = out.with_suffix('.png'), out.with_suffix('.md')
+    draw(outcome, picture)
+    report.write_text(markdown(outcome, picture.name), encoding='utf-8')
+    checkpoint.remove()
+    _tell(outcome, (out, report, picture))
+
+
+def _stated(args: argparse.Namespace, muscle: BroadMuscle) -> tuple[Criterion, Any, Any]:
+    """Return the criterion, the poses to watch and the data that the arguments state."""
+    step = None if args.every is None else math.radians(args.every)
+    data = read(args.data, muscle, args.convention, args.angle_scale, step)
+    bounds = [Bound.of(text) for text in args.bound]
+    mm, rad = args.reach
+    parameters = space(muscle.definition, args.free, bounds, (1e-3 * mm, rad))
+    over = args.over == 'range'
+    given = {'order': float(over), 'jumps': float(over), **dict(args.weights)}
+    weights = Weights(clearance=1e-3 * args.clearance, arm_scale=args.arm_scale, **given)
+    if not over:
+        return Criterion.of(muscle, parameters, data, weights), None, data
+    ranges = muscle.range_of_motion or WHOLE
+    coarse = grid(ranges, [math.radians(step) for step in COARSE])[1]
+    watch = grid(ranges, STEPS)[1]
+    return Criterion.of(muscle, parameters, data, weights, coarse), watch, data
+
+
+def _begun(args: argparse.Namespace, out: Path, checkpoint: Checkpoint) -> dict[str, Any] | None:
+    """Return the state to go on from, if any; ValueError for a file that would be lost."""
+    if args.resume:
+        return checkpoint.read()
+    if not args.force:
+        if checkpoint.path.exists():
+            raise ValueError(
+                f'{checkpoint.path}: a fit was stopped here; --resume goes on, --force begins anew'
+            )
+        if out.exists():
+            raise ValueError(f'{out}: is there already; --force replaces it')
+    return None
+
+
+def _searched(
+    criterion: Criterion,
+    plan: Plan,
+    watch: Any,
+    jobs: int,
+    checkpoint: Checkpoint,
+    state: dict[str, Any] | None,
+) -> Any:
+    """Return the best parameters; tells how far the fit is, and keeps its state on disk."""
+    with bar(plan) as shown:
+
+        def tell(progress: Progress, search: Search) -> None:
+            checkpoint.offer(search)
+            shown(progress)
+
+        try:
+            return fit(criterion, plan, watch, state, jobs, tell)[0]
+        except KeyboardInterrupt:
+            if checkpoint.path.exists():
+                print(f'linkedplane: stopped; {checkpoint.path} is there for --resume',
+                      file=sys.stderr)  # fmt: skip
+            raise
+
+
+@contextmanager
+def bar(plan: Plan) -> Iterator[Callable[[Progress], None]]:
+    """Show the generations done and the best criterion while in the block, if a person looks on."""
+    try:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    except ImportError:
+        yield lambda progress: None
+        return
+    columns = (
+        TextColumn('fitting, round {task.fields[round]}'),
+        BarColumn(),
+        TextColumn('{task.completed:.0f} of {task.total:.0f} generations'),
+        TextColumn('best {task.fields[best]} mm²'),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, transient=True, disable=not sys.stderr.isatty(),
+                  console=Console(stderr=True)) as shown:  # fmt: skip
+        total = plan.rounds * plan.generations
+        number = shown.add_task('', total=total, round=1, best='-')
+
+        def tell(progress: Any) -> None:
+            shown.update(
+                number,
+                completed=progress.round * plan.generations + progress.generation,
+                round=min(progress.round + 1, plan.rounds),
+                best=f'{progress.best:,.2f}',
+            )
+
+        yield tell
+
+
+def _tell(outcome: Outcome, files: Sequence[Path]) -> None:
+    """Print what has become of the fit."""
+    one = outcome.criterion
+    values = [one.value(x) for x in (outcome.start, outcome.found)]
+    print(
+        f'{len(outcome.start)} parameters, {len(outcome.data.measurements)} rows '
+        f'({outcome.data.reading}): criterion {values[0]:,.2f} -> {values[1]:,.2f} mm²'
+    )
+    before, after = outcome.deviations(outcome.start), outcome.deviations(outcome.found)
+    for kind in after:
+        if after[kind]:
+            means = [np.abs([row[-1] for row in rows[kind]]).mean() for rows in (before, after)]
+            print(f'{kind}: mean deviation {means[0]:.3f} -> {means[1]:.3f} mm')
+    over = outcome.over[1]
+    print(
+        f'over the range of motion, {len(over.angles)} poses: {over.entered} bands enter a sphere, '
+        f'{over.disordered} are not behind the one before, {over.inside} have no path; largest '
+        f'jump of a length {1e3 * over.jump:.2f} mm'
+    )
+    bound = at_bounds(one, outcome.found)
+    print(f'{len(bound)} parameters at a bound' + (f': {", ".join(bound)}' if bound else ''))
+    print(*files, sep='\n')
+
+
+def weight(text: str) -> tuple[str, float]:
+    """Return a kind and its weight, for argparse."""
+    kind, _, value = text.partition('=')
+    if kind not in KINDS:
+        raise argparse.ArgumentTypeError(f'{text}: one of {", ".join(KINDS)}, = and a number')
+    return kind, not_negative(value)
+
+
+def whole(text: str) -> int:
+    """Return a whole number of zero or more, for argparse."""
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f'{text} given, 0 or more expected')
+    return value
+
+
+def several(text: str) -> int:
+    """Return a whole number of two or more, for argparse."""
+    value = int(text)
+    if value < 2:
+        raise argparse.ArgumentTypeError(f'{text} given, 2 or more expected')
+    return value

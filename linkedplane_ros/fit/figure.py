@@ -1,0 +1,89 @@
+"""The picture of a fit: what was measured, and the model before and after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..colours import HEAD_COLOURS
+from ..plot import STYLE, library, write
+from .criterion import MM
+from .report import Outcome
+
+WIDTH, HEIGHT = 2.6, 2.2  # of a panel, inches
+
+
+def draw(outcome: Outcome, file: Path) -> None:
+    """Write the picture as PNG: rows lengths and moment arms, columns motions, colours parts.
+
+    RecordingError if it cannot be written, or matplotlib is not there.
+    """
+    with library().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        kinds = {kind: rows for kind, rows in outcome.deviations(outcome.found).items() if rows}
+        before = outcome.deviations(outcome.start)
+        motions = list(dict.fromkeys(row[1] for rows in kinds.values() for row in rows))
+        parts = list(dict.fromkeys(row[0] for rows in kinds.values() for row in rows))
+        figure = Figure((WIDTH * len(motions) + 0.8, HEIGHT * len(kinds) + 0.9))
+        panels = figure.subplots(len(kinds), len(motions), squeeze=False, sharey='row')
+        for row, kind in zip(panels, kinds, strict=True):
+            for axes, motion in zip(row, motions, strict=True):
+                for k, part in enumerate(parts):
+                    colour = HEAD_COLOURS[k % len(HEAD_COLOURS)]
+                    of = (part, motion)
+                    _curves(axes, outcome, kind, of, (before[kind], kinds[kind]), colour)
+                axes.axhline(0.0, color='0.8', linewidth=0.6, zorder=0) if kind != 'length' else 0
+                axes.set_xlabel(f'{motion} (deg)')
+            row[0].set_ylabel(f'{kind} (mm)')
+        _legend(figure, parts)
+        title = f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}'
+        figure.suptitle(title, fontsize=7.0)
+        figure.tight_layout(rect=(0.0, 0.09, 1.0, 1.0))
+        write(figure, file, 'png')
+
+
+def _curves(
+    axes: Any,
+    outcome: Outcome,
+    kind: str,
+    of: tuple[str, str],
+    deviations: Sequence[Sequence[tuple[str, str, float, float]]],
+    colour: tuple[float, float, float],
+) -> None:
+    """Draw a part in a motion: points measured, dashed before, solid after."""
+    name = {'length': 'length', 'moment arm': 'arm'}[kind]
+    measured = {
+        row.angle: MM * getattr(row, name)
+        for row in outcome.data.measurements
+        if (row.part, row.motion) == of and math.isfinite(getattr(row, name))
+    }
+    if not measured:
+        return
+    angles = sorted(measured)
+    degrees = [math.degrees(angle) for angle in angles]
+    points = [measured[angle] for angle in angles]
+    axes.plot(degrees, points, 'o', color=colour, markersize=2.5)
+    for rows, line in zip(deviations, ((0, (3.0, 1.5)), '-'), strict=True):
+        off: Mapping[float, float] = {
+            angle: value for part, motion, angle, value in rows if (part, motion) == of
+        }
+        values = [measured[angle] + off[angle] for angle in angles]
+        axes.plot(degrees, values, linestyle=line, color=colour, linewidth=0.9)
+
+
+def _legend(figure: Any, parts: Sequence[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], color=HEAD_COLOURS[k % len(HEAD_COLOURS)], label=part)
+        for k, part in enumerate(parts)
+    ]
+    handles += [
+        Line2D([], [], color='0.3', marker='o', markersize=2.5, linestyle='', label='measured'),
+        Line2D([], [], color='0.3', linestyle=(0, (3.0, 1.5)), label='before'),
+        Line2D([], [], color='0.3', label='after'),
+    ]
+    figure.legend(handles=handles, loc='lower center', ncols=len(handles))
