@@ -62,9 +62,13 @@ def in_words(muscle: BroadMuscle, data: Data, weights: Weights, more: Array) -> 
     states = solver.solve_batch(np.array([*rotations.values(), *more]))
     for entered in depths(states).max(axis=2).ravel():
         total += 100.0 * weights.interference * max(1e3 * (entered + weights.clearance), 0.0) ** 2
+    spacing = np.linalg.norm(np.diff(muscle.origins, axis=0), axis=1)
     for state in states:
-        for gap in gaps(state):
-            total += 100.0 * weights.order * max(1e3 * (weights.gap - gap), 0.0) ** 2
+        for gap, widest in zip(gaps(state), spacing, strict=True):
+            short, wide = max(weights.gap - gap, 0.0), max(gap - widest, 0.0)
+            total += 100.0 * weights.order * 1e6 * (short**2 + wide**2)
+        for past in past_edges(state):
+            total += 100.0 * weights.jumps * max(1e3 * (past + 1e-3), 0.0) ** 2
         ends = np.stack((solver.origins, state.insertions)) - state.sphere_centres
         inside = muscle.sphere_radii - np.linalg.norm(ends, axis=2).min(axis=0)
         total += 100.0 * float(np.sum(np.maximum(1e3 * inside + 1.0, 0.0) ** 2))
@@ -87,6 +91,24 @@ def gaps(state: MuscleState) -> Array:
     return np.array(found)
 
 
+def past_edges(state: MuscleState) -> Array:
+    """Return how far each band is past the edge where its length jumps, (n,), m (App. B, C)."""
+    solver, n, found = state.solver, state.solver.muscle.reference_normal, []
+    muscle = solver.muscle
+    angles = (state.theta, *muscle.plane_angles[1:])
+    posed = zip(solver.origins, state.insertions, state.sphere_centres, strict=True)
+    for (P, S, C), R, phi in zip(posed, muscle.sphere_radii, angles, strict=True):
+        D = np.linalg.norm(S - P)
+        u = (S - P) / D
+        m = n - (n @ u) * u
+        m /= np.linalg.norm(m)
+        n = m * np.cos(phi) + np.cross(u, m) * np.sin(phi)
+        along, d, b = (C - P) @ u, (C - P) @ n, (C - P) @ np.cross(u, n)
+        pierced = 0.0 < along < D and d**2 + b**2 < R**2
+        found.append(-R if pierced else min(b, abs(d) - R))
+    return np.array(found)
+
+
 def moved(parameters: Space, seed: int, share: float = 0.1) -> Array:
     """Return parameters at random, up to a share of the way to their bounds from the start."""
     rng = np.random.default_rng(seed)
@@ -98,7 +120,7 @@ def moved(parameters: Space, seed: int, share: float = 0.1) -> Array:
 def test_the_criterion_is_its_definition(seed: int) -> None:
     data = simulated(DELTOID, off=0.01, seed=seed)
     weights = Weights(
-        length=0.7, arm=1.3, interference=0.4, order=0.6, clearance=1e-3, arm_scale=0.5
+        length=0.7, arm=1.3, interference=0.4, order=0.6, jumps=0.5, clearance=1e-3, arm_scale=0.5
     )
     more = random_poses(6, seed)
     criterion, parameters = of(data, weights, more)

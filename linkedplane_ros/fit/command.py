@@ -275,7 +275,8 @@ def _tell(outcome: Outcome, files: Sequence[Path]) -> None:
     over = outcome.over[1]
     print(
         f'over the range of motion, {len(over.angles)} poses: {over.entered} bands enter a sphere, '
-        f'{over.disordered} are not behind the one before, {over.inside} have no path; largest '
+        f'{over.disordered} are not behind the one before, {over.parted} farther from it than at '
+        f'their origins, {over.inside} have no path; largest '
         f'jump of a length {1e3 * over.jump:.2f} mm'
     )
     bound = at_bounds(one, outcome.found)

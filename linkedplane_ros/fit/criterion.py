@@ -4,9 +4,9 @@ Equation 5.7 of the thesis: the sum of the squared deviations of lengths (mm) an
 (mm) over parts, motions and steps; each times the weight of its row and of its kind. What no muscle
 may do is added band by band and pose by pose, 100 mm^-2 times a square: how deep its path enters an
 interference sphere (the thesis added 10,000 at any depth; here that is reached at 10 mm, and the
-slope shows the way out), how much it falls short of its place behind the band before it, how far it
-is past the edge of its own obstacle sphere where its length jumps, and how deep an end of it lies
-in that sphere, where it has no path.
+slope shows the way out), how much it falls short of its place behind the band before it or parts
+from that band, how far it is past the edge of its own obstacle sphere where its length jumps, and
+how deep an end of it lies in that sphere, where it has no path.
 """
 
 from __future__ import annotations
@@ -68,7 +68,9 @@ class States:
     edges: Floats
     """(m, n) how far each band is past the edge where its length jumps, m."""
     gaps: Floats
-    """(m, n - 1) by how much each band lies behind the one before it, m."""
+    """(m, n - 1) by how much each band lies behind the one before it, halfway along, m."""
+    spacing: Floats
+    """(n - 1,) the distances between the origins of neighbours, m: a fan's are nowhere wider."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +159,7 @@ class Criterion:
         kinds = (
             (weights.interference, states.depths + weights.clearance),
             (weights.order, weights.gap - states.gaps),
+            (weights.order, states.gaps - states.spacing),
             (weights.jumps, states.edges + MARGIN),
             (1.0, states.insides + MARGIN),
         )
@@ -195,7 +198,9 @@ def posed(muscle: Floats, rotations: Floats, spheres: Floats, measured: int) -> 
     solved, off = evaluate(muscle, rotations, spheres, *filled)
     if solved < m:
         return min(float(off), 1.0)
-    return States(lengths, moments.reshape(-1, n, 3), *filled[2:])
+    origins = muscle[3 * FIRST_BAND :].reshape(n, -1)[:, :3]
+    spacing = np.sqrt((np.diff(origins, axis=0) ** 2).sum(axis=1))
+    return States(lengths, moments.reshape(-1, n, 3), *filled[2:], spacing)
 
 
 def grid(ranges: Sequence[tuple[float, float]], steps: Sequence[float]) -> tuple[Floats, Floats]:
@@ -204,7 +209,7 @@ def grid(ranges: Sequence[tuple[float, float]], steps: Sequence[float]) -> tuple
     rad; the ends are in it, and steps of even size between that are not longer than those given.
     """
     sides = [
-        np.linspace(low, high, 1 + int(np.ceil((high - low) / step - 1e-9)))
+        np.linspace(low, high, 1 + int(np.ceil((high - low) / step - 1e-6)))
         for (low, high), step in zip(ranges, steps, strict=True)
     ]
     angles = np.stack(np.meshgrid(*sides, indexing='ij'), axis=-1).reshape(-1, 3)

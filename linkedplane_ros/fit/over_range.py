@@ -40,6 +40,8 @@ class OverRange:
     """(m, n) m; above 0: the band enters an interference sphere."""
     gaps: Floats
     """(m, n - 1) m; not above 0: the band does not lie behind the one before it."""
+    spacing: Floats
+    """(n - 1,) m; the distances between the origins of neighbours."""
     inside: int
     """How many bands, over the poses, have an end in their own sphere, and so no path."""
     jump: float
@@ -54,6 +56,11 @@ class OverRange:
     def disordered(self) -> int:
         """How many bands, over the poses, do not lie behind the one before them."""
         return int((self.gaps <= 0.0).sum())
+
+    @property
+    def parted(self) -> int:
+        """How many bands, over the poses, are farther from the one before than at their origins."""
+        return int((self.gaps > self.spacing).sum())
 
 
 def over_range(
@@ -80,7 +87,7 @@ def over_range(
         raise ValueError(f'{muscle.name}: a band has no path anywhere: an end lies in its sphere')
     inside = int((states.wrap == WrapState.INSIDE).sum())
     jump = _jump(muscle, low, high, ways, generator)
-    return OverRange(ranges, angles, states.depths, states.gaps, inside, jump)
+    return OverRange(ranges, angles, states.depths, states.gaps, states.spacing, inside, jump)
 
 
 def _jump(

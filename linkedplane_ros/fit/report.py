@@ -144,6 +144,11 @@ def _interference(outcome: Outcome) -> Iterator[str]:
         for each in over
     ]
     yield _row('... bands not behind the one before', behind)
+    parted = [
+        f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max(initial=-math.inf):.1f} mm'
+        for each in over
+    ]
+    yield _row('... bands farther from the one before than at their origins', parted)
     yield _row('... bands without a path', [str(each.inside) for each in over])
     yield _row('... largest jump of a length, mm', [f'{MM * each.jump:.2f}' for each in over])
     yield ''
