@@ -13,12 +13,13 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from . import __version__
-from .commands import info, play, plot, process, solve, study
+from .commands import fit, info, play, plot, process, solve, study
 
 COMMANDS = {
     'info': info,
     'solve': solve,
     'play': play,
+    'fit': fit,
     'process': process,
     'plot': plot,
     'study': study,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,15 +65,15 @@ def states_of(
     def tell(_: Progress, search: Search) -> None:
         states.append(json.loads(json.dumps(search.state())))
 
-    x, value = fit(criterion, plan, watch, tell=tell)
-    return x, value, states
+    found = fit(criterion, plan, watch, tell=tell)
+    return found.best, found.value, states
 
 
 @pytest.mark.parametrize('seed', range(3))
 def test_it_recovers_the_published_deltoid_from_10_percent_off(seed: int) -> None:
     criterion = recovery(ten_percent_off(seed))
     assert criterion.value(criterion.space.start) > 50.0  # mm^2
-    x, _ = fit(criterion, POLISH)
+    x = fit(criterion, POLISH).best
     states = criterion.states(x)
     assert isinstance(states, States)
     lengths, arms = (np.abs(off).mean() for off in criterion.deviations(states))
@@ -82,39 +83,39 @@ def test_it_recovers_the_published_deltoid_from_10_percent_off(seed: int) -> Non
 
 def test_the_swarm_and_its_polish_recover_it_too() -> None:
     criterion = recovery(ten_percent_off(0))
-    x, value = fit(criterion, Plan(particles=30, generations=15, polish=100))
-    states = criterion.states(x)
+    found = fit(criterion, Plan(particles=30, generations=15, polish=100))
+    states = criterion.states(found.best)
     assert isinstance(states, States)
     assert max(np.abs(off).mean() for off in criterion.deviations(states)) < 0.1  # mm
-    assert value < 1e-2 * criterion.value(criterion.space.start)
+    assert found.value < 1e-2 * criterion.value(criterion.space.start)
 
 
 def test_with_every_band_measured_the_coefficients_themselves_come_back() -> None:
     # three heads cannot tell the curves between them
     criterion = recovery(ten_percent_off(1), DELTOID.band_names)
-    x, _ = fit(criterion, POLISH)
+    x = fit(criterion, POLISH).best
     for place, value in criterion.space.coefficients(x).items():
         assert value == pytest.approx(DELTOID.coefficients[place], rel=1e-5, abs=1e-6), place
 
 
 def test_the_same_seed_gives_the_same_answer_whatever_the_jobs() -> None:
-    x, value = fit(quick(), QUICK)
-    again, same = fit(quick(), QUICK, jobs=2)
-    np.testing.assert_array_equal(again, x)
-    assert same == value
-    assert fit(quick(), Plan(8, 4, 2, 4, seed=4))[1] != value
+    found, again = fit(quick(), QUICK), fit(quick(), QUICK, jobs=2)
+    np.testing.assert_array_equal(again.best, found.best)
+    assert again.value == found.value
+    assert fit(quick(), replace(QUICK, seed=4)).value != found.value
 
 
 def test_a_fit_that_was_stopped_goes_on_as_if_it_had_not_been() -> None:
     weights = Weights(interference=0.01, order=0.01)
     watch = random_poses(10, 0)
-    x, value, states = states_of(quick(weights), QUICK, watch)
-    assert len(states) == 10  # 2 rounds of 4 generations and a polish
+    plan = replace(QUICK, tighten=(0.02, 0.01))
+    x, value, states = states_of(quick(weights), plan, watch)
+    assert len(states) == 13  # 2 rounds of 4 generations and a polish, 3 stages
     assert states[-1]['added']
-    for at in (0, 4, 6, 9):
-        again, same = fit(quick(weights), QUICK, watch, state=states[at])
-        np.testing.assert_array_equal(again, x)
-        assert same == value
+    for at in (0, 4, 6, 9, 10, 11, 12):
+        again = fit(quick(weights), plan, watch, state=states[at])
+        np.testing.assert_array_equal(again.best, x)
+        assert again.value == value
 
 
 def test_the_best_never_gets_worse() -> None:
@@ -126,15 +127,30 @@ def test_the_best_never_gets_worse() -> None:
 
 def test_poses_that_are_watched_count_once_the_muscle_fails_there() -> None:
     weights = Weights(interference=0.01)
-    watch = random_poses(30, 1)
-    _, _, states = states_of(quick(weights), Plan(8, 2, 1, 2), watch)
+    watch, short = random_poses(30, 1), Plan(particles=8, generations=2, polish=2)
+    _, _, states = states_of(quick(weights), short, watch)
     added = states[-1]['added']
     assert states[0]['added'] == []
     assert len(set(added)) == len(added) > 0
     # they are those with the worst faults, of the muscle that was best then
-    x, value = fit(quick(weights), Plan(8, 2, 1, 2), watch)
-    assert quick(weights).also_at(watch[added]).value(x) == pytest.approx(value, rel=1e-12)
-    assert quick(weights).value(x) < value
+    found = fit(quick(weights), short, watch)
+    counted = quick(weights).also_at(watch[added]).value(found.best)
+    assert counted == pytest.approx(found.value, rel=1e-12)
+    assert quick(weights).value(found.best) < found.value
+
+
+def test_bands_are_let_into_the_spheres_less_and_less() -> None:
+    weights = Weights(clearance=1e-3)
+    plan = replace(QUICK, rounds=1, tighten=(0.03, 0.01))
+    found = fit(quick(weights), plan, random_poses(10, 0))
+    assert [depth for depth, _ in found.best_of] == [0.03, 0.01, -1e-3]
+    np.testing.assert_array_equal(found.best_of[-1][1], found.best)
+    deepest = []
+    for _, best in found.best_of:
+        states = quick(weights).states(best)
+        assert isinstance(states, States)
+        deepest.append(states.depths.max())
+    assert deepest == sorted(deepest, reverse=True)
 
 
 def test_the_answer_keeps_to_the_bounds() -> None:
@@ -142,7 +158,7 @@ def test_the_answer_keeps_to_the_bounds() -> None:
     bounds = [Bound.of('sphere.radius=+-1')]
     parameters = space(start.definition, ['sphere.radius'], bounds)
     criterion = Criterion.of(start, parameters, simulated(DELTOID), Weights(interference=0.0))
-    x, _ = fit(criterion, QUICK)
+    x = fit(criterion, QUICK).best
     assert (parameters.low <= x).all()
     assert (x <= parameters.high).all()
     assert np.minimum(x - parameters.low, parameters.high - x).min() < 1e-3  # it wants farther

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import Array
-from test_interference import laid_out
 from test_linked_planes import random_poses
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
@@ -18,12 +17,32 @@ from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights
 from linkedplane_ros.fit.data import Data, Measurement, band_of
 from linkedplane_ros.fit.parameters import Space, space
 from linkedplane_ros.interference import depths
-from linkedplane_ros.solver import MuscleState
+from linkedplane_ros.solver import MuscleState, MuscleStates
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
 CASE_STUDY = (('flexion', 80), ('abduction', 90), ('scaption', 60))  # deg (thesis ch. 5)
 HEADS = ('anterior', 'middle', 'posterior')
+STEP = 1e-4  # m, of the laid out paths: half of it at the most beside their nearest point
+
+
+def deepest(states: MuscleStates) -> Array:
+    """Return how deep the bands enter any interference sphere (m, n), m."""
+    return np.array([depths(state)[0].max(axis=1) for state in states])
+
+
+def laid_out(state: MuscleState) -> list[Array]:
+    """Return each band's path as points (k, 3), m, STEP apart or less."""
+    ways = []
+    for path in state.paths(1000):  # an arc is some 100 mm at the most
+        first, last = (
+            a
+            + np.linspace(0.0, 1.0, int(np.linalg.norm(b - a) / STEP) + 2)[:, np.newaxis] * (b - a)
+            for a, b in (path[:2], path[-2:])
+        )
+        pieces = (first,) if len(path) == 2 else (first[:-1], path[1:-1], last[1:])
+        ways.append(np.concatenate(pieces))
+    return ways
 
 
 def simulated(
@@ -60,7 +79,7 @@ def in_words(muscle: BroadMuscle, data: Data, weights: Weights, more: Array) -> 
         arm = weights.arm_scale * state.moment_vectors[each.band] @ axis - each.arm
         total += each.weight * (weights.length * length**2 + weights.arm * (1e3 * arm) ** 2)
     states = solver.solve_batch(np.array([*rotations.values(), *more]))
-    for entered in depths(states).max(axis=2).ravel():
+    for entered in deepest(states).ravel():
         total += 100.0 * weights.interference * max(1e3 * (entered + weights.clearance), 0.0) ** 2
     spacing = np.linalg.norm(np.diff(muscle.origins, axis=0), axis=1)
     for state in states:
@@ -156,7 +175,7 @@ def test_the_kernel_solves_as_the_solver_does() -> None:
     np.testing.assert_allclose(found.lengths, expected.lengths[:k], rtol=0.0, atol=1e-13)
     np.testing.assert_allclose(found.moments, expected.moment_vectors[:k], rtol=0.0, atol=1e-10)
     np.testing.assert_array_equal(found.wrap, expected.wrap)
-    np.testing.assert_allclose(found.depths, depths(expected).max(axis=2), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(found.depths, deepest(expected), rtol=0.0, atol=1e-9)
 
 
 def test_a_muscle_without_paths_is_worse_the_farther_it_is_from_having_one() -> None:

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_fit_criterion import deepest
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import grid
 from linkedplane_ros.fit.over_range import STEPS, WHOLE, over_range
-from linkedplane_ros.interference import depths
 
 DELTOID = BroadMuscle.load('deltoid')
 
@@ -26,7 +26,7 @@ def test_entries_are_counted_over_the_grid_and_random_poses() -> None:
     angles, rotations = grid(DELTOID.range_of_motion or WHOLE, STEPS)
     states = LinkedPlaneSolver(DELTOID).solve_batch(rotations)
     assert len(found.angles) == len(angles) + 50 == 17 * 13 * 13 + 50
-    entered = depths(states).max(axis=2)
+    entered = deepest(states)
     np.testing.assert_allclose(found.depths[: len(angles)], entered, rtol=0.0, atol=1e-9)
     assert found.entered == (found.depths >= 0.0).sum() > 1000
     low, high = np.array(DELTOID.range_of_motion).T

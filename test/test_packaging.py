@@ -28,6 +28,7 @@ PURE = (
     'bones',
     'cli',
     'colours',
+    'commands.fit',
     'commands.info',
     'commands.plot',
     'commands.process',

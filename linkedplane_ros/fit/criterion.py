@@ -19,7 +19,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..conventions import JOINT_CONVENTIONS
-from ..interference import spheres_of
 from ..linked_planes import BAND_VECTORS, FIRST_BAND
 from ..model import BroadMuscle
 from .data import Data
@@ -183,6 +182,11 @@ class Criterion:
         """Return the criterion of many x (k, p); each by itself, in whatever thread."""
         found = map(self.value, xs) if pool is None else pool.map(self.value, xs)
         return np.array(list(found))
+
+
+def spheres_of(muscle: BroadMuscle) -> Floats:
+    """Return a muscle's interference spheres (k, 4): centres and radii, m, ground frame."""
+    return np.column_stack((muscle.interference_centres, muscle.interference_radii))
 
 
 def posed(muscle: Floats, rotations: Floats, spheres: Floats, measured: int) -> States | float:

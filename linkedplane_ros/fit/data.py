@@ -99,7 +99,7 @@ def read(
     `step` (rad), linear between the rows, where one is given.
     """
     path = Path(path)
-    with lines_of(path) as lines:
+    with lines_of(path) as (lines, _):
         rows = csv_rows(lines)
         line, names = next(rows, (1, []))
         columns = Columns.of(line, [name.strip() for name in names], convention)

@@ -10,7 +10,7 @@ from typing import Any
 from ..colours import HEAD_COLOURS
 from ..plot import STYLE, library, write
 from .criterion import MM
-from .report import Outcome
+from .report import Outcome, mean
 
 WIDTH, HEIGHT = 2.6, 2.2  # of a panel, inches
 
@@ -42,6 +42,36 @@ def draw(outcome: Outcome, file: Path) -> None:
         title = f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}'
         figure.suptitle(title, fontsize=7.0)
         figure.tight_layout(rect=(0.0, 0.09, 1.0, 1.0))
+        write(figure, file, 'png')
+
+
+def draw_trade_off(outcome: Outcome, file: Path) -> None:
+    """Write the mean deviations over how deep bands enter the spheres, stage by stage, as PNG.
+
+    RecordingError if it cannot be written, or matplotlib is not there.
+    """
+    with library().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure((4.0, 2.8))
+        axes = figure.subplots()
+        deepest = [MM * stage.over.depths.max() for stage in outcome.stages]
+        for kind, line in (('moment arm', 'o-'), ('length', 's--')):
+            if outcome.deviations(outcome.found)[kind]:
+                means = [mean(outcome.deviations(each.found)[kind]) for each in outcome.stages]
+                axes.plot(deepest, means, line, color='0.2', markersize=3.0, label=kind)
+                at = mean(outcome.deviations(outcome.start)[kind])
+                over = MM * outcome.over_before.depths.max()
+                axes.plot([over], [at], line[0], color='0.2', fillstyle='none', markersize=5.0,
+                          label=f'{kind}, {outcome.before.name}')  # fmt: skip
+        axes.set_xlabel('deepest entry of a band into bone over the range of motion (mm)')
+        axes.set_ylabel('mean deviation (mm)')
+        axes.set_ylim(bottom=0.0)
+        axes.axvline(0.0, color='0.8', linewidth=0.6, zorder=0)
+        axes.legend()
+        figure.suptitle(f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}',
+                        fontsize=7.0)  # fmt: skip
+        figure.tight_layout()
         write(figure, file, 'png')
 
 

@@ -12,9 +12,8 @@ from math import cos, inf, sin
 from typing import Any
 
 from ..band import PIERCED
-from ..band_path import halfway, path_of
+from ..band_path import deepest, halfway, path_of
 from ..compiled import compiled, entry, fingerprint
-from ..interference import deepest
 from ..kernels import rows_of
 from ..least_length import solve_theta
 from ..linked_planes import (

@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..conventions import JOINT_CONVENTIONS
-from ..interference import spheres_of
 from ..model import BroadMuscle
 from ..solver import LinkedPlaneSolver, WrapState
-from .criterion import grid, posed
+from .criterion import grid, posed, spheres_of
 from .parameters import flat_numbers
 
 Floats = npt.NDArray[np.float64]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,10 +20,20 @@ AT_BOUND = 1e-3  # of the way between the bounds
 
 
 @dataclass(frozen=True, eq=False)
+class Stage:
+    """The best model while bands were let so deep into the interference spheres."""
+
+    allowed: float
+    """m"""
+    found: Floats
+    """(p,) the parameters"""
+    over: OverRange
+
+
+@dataclass(frozen=True, eq=False)
 class Outcome:
     """A fit that is done."""
 
-    title: str
     command: str
     """How to do it again."""
     data: Data
@@ -32,10 +42,26 @@ class Outcome:
     before: BroadMuscle
     after: BroadMuscle
     start: Floats
-    """(p,) the parameters"""
-    found: Floats
-    over: tuple[OverRange, OverRange]
-    """The range of motion before and after."""
+    """(p,) the parameters before"""
+    over_before: OverRange
+    """The range of motion before."""
+    stages: tuple[Stage, ...]
+    """What the fit went through, bands let into the spheres less and less; the last is its end."""
+
+    @property
+    def title(self) -> str:
+        """What report and pictures are called."""
+        return f'Fit of {self.after.name}'
+
+    @property
+    def found(self) -> Floats:
+        """(p,) the parameters after."""
+        return self.stages[-1].found
+
+    @property
+    def over(self) -> tuple[OverRange, OverRange]:
+        """The range of motion before and after."""
+        return self.over_before, self.stages[-1].over
 
     def states(self, x: Floats) -> States:
         """Return the muscle at the criterion's poses."""
@@ -60,13 +86,14 @@ class Outcome:
         return kinds
 
 
-def markdown(outcome: Outcome, figure: str | None = None) -> str:
-    """Return the report; `figure` is the name of its picture's file."""
+def markdown(outcome: Outcome, pictures: Mapping[str, str]) -> str:
+    """Return the report; `pictures` has the pictures' titles and the names of their files."""
     lines = [f'# {outcome.title}', '', *_what(outcome), '']
-    if figure:
-        lines += [f'![Measured and modelled]({figure})', '']
     lines += ['## Residuals', '', *_residuals(outcome), '']
     lines += ['## Interference and order', '', *_interference(outcome), '']
+    if len(outcome.stages) > 1:
+        lines += ['## Deviation and interference', '', *_trade_off(outcome), '']
+    lines += [line for title, name in pictures.items() for line in (f'![{title}]({name})', '')]
     lines += ['## Parameters', '', *_parameters(outcome), '']
     return '\n'.join(lines)
 
@@ -171,6 +198,25 @@ def _interference(outcome: Outcome) -> Iterator[str]:
     if bad:
         yield ''
         yield f'Deepest entry by band: {", ".join(bad)}.'
+
+
+def mean(rows: Sequence[tuple[str, str, float, float]]) -> float:
+    """Return the mean size of deviations, mm."""
+    return float(np.abs([off for _, _, _, off in rows]).mean())
+
+
+def _trade_off(outcome: Outcome) -> Iterator[str]:
+    yield 'The best model while bands were let so deep into the spheres, over the range of motion:'
+    yield ''
+    kinds = [kind for kind, rows in outcome.deviations(outcome.found).items() if rows]
+    means = ' | '.join(f'mean {kind}, mm' for kind in kinds)
+    yield f'| let in, mm | {means} | bands and poses that enter | deepest, mm |'
+    yield '| ---: |' + ' ---: |' * (len(kinds) + 2)
+    for stage in outcome.stages:
+        off = outcome.deviations(stage.found)
+        cells = [f'{MM * stage.allowed:g}', *(f'{mean(off[kind]):.2f}' for kind in kinds)]
+        yield _row(cells[0], [*cells[1:], _entered(stage.over.depths).split(',')[0],
+                              f'{MM * stage.over.depths.max():.1f}'])  # fmt: skip
 
 
 def _entered(depths: Floats) -> str:

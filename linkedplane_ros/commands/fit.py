@@ -6,25 +6,24 @@ import argparse
 import math
 import shlex
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..cli import counting, not_negative, positive
 from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
-from .checkpoint import Checkpoint
-from .criterion import Criterion, Weights, grid
-from .data import read
-from .figure import draw
-from .fitting import Plan, Progress, Search, fingerprint, fit
-from .over_range import STEPS, WHOLE, over_range
-from .parameters import THESIS, Bound, space
-from .report import Outcome, at_bounds, markdown
+from .values import counting, not_negative, positive
+
+if TYPE_CHECKING:
+    from ..fit.checkpoint import Checkpoint
+    from ..fit.criterion import Criterion
+    from ..fit.data import Data
+    from ..fit.fitting import Found, Plan, Progress, Search
+    from ..fit.report import Outcome
 
 KINDS = ('length', 'arm', 'interference', 'order', 'jumps')
 COARSE = (40.0, 60.0, 60.0)  # deg, flexion, abduction, rotation: poses that count from the first
@@ -42,8 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         '--free',
         nargs='+',
         metavar='PATTERN',
-        default=list(THESIS),
-        help=f'coefficients by their places, * for anything (default: {" ".join(THESIS)})',
+        help='coefficients by their places, * for anything (default: what the thesis fitted)',
     )
     add(
         '--bound',
@@ -108,6 +106,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar='MM',
         help='keep paths so far off the interference spheres; negative: let them in so far',
     )
+    add(
+        '--tighten',
+        nargs='+',
+        type=positive,
+        default=[],
+        metavar='MM',
+        help='let bands so deep into the spheres first: the first for the swarm, the others, then '
+        '--clearance, for a polish each',
+    )
     how = parser.add_argument_group('how')
     add = how.add_argument
     add('--particles', type=several, default=50, metavar='N', help='of the swarm (default 50)')
@@ -118,6 +125,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default=1,
         metavar='N',
         help='of swarm and polish, each in half the width of the last (default 1)',
+    )
+    add(
+        '--scatter',
+        type=positive,
+        default=1.0,
+        metavar='SHARE',
+        help='of the way to the bounds, for the first particles (default 1)',
     )
     add(
         '--polish',
@@ -141,43 +155,57 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Fit chosen coefficients of a model to measured lengths and moment arms."""
+    from ..fit.checkpoint import Checkpoint
+    from ..fit.figure import draw, draw_trade_off
+    from ..fit.fitting import Plan, fingerprint
+    from ..fit.report import at_bounds, markdown
+
     out = Path(args.out)
     if out.suffix not in ('.yaml', '.yml'):
         raise ValueError(f'{out}: a model file ends in .yaml')
     muscle = BroadMuscle.load(args.model)
-    name = args.name or out.stem
     criterion, watch, data = _stated(args, muscle)
-    plan = Plan(args.particles, args.generations, args.rounds, args.polish, args.seed)
+    plan = Plan(
+        args.particles,
+        args.generations,
+        args.rounds,
+        args.scatter,
+        args.polish,
+        tuple(1e-3 * depth for depth in args.tighten),
+        args.seed,
+    )
     checkpoint = Checkpoint(out.with_suffix('.checkpoint'), fingerprint(criterion, plan, watch))
     state = _begun(args, out, checkpoint)
     found = _searched(criterion, plan, watch, args.jobs, checkpoint, state)
-    numbers = {
-        place: float(f'{v:.12g}') for place, v in criterion.space.coefficients(found).items()
-    }
-    fitted = muscle.with_coefficients(numbers)
-    source = f'{muscle.source}; fitted to {data.path.name} ({data.reading})'
-    fitted = BroadMuscle.of(replace(fitted.definition, name=name, source=source))
-    before, after = over_range(muscle), over_range(fitted)
-    start = criterion.space.start
-    command = 'linkedplane fit ' + shlex.join(sys.argv[2:])
-    outcome = Outcome(
-        f'Fit of {name}', command, data, criterion, muscle, fitted, start, found, (before, after)
-    )
-    fitted.to_yaml(out)
+    outcome = _outcome(args.name or out.stem, muscle, data, criterion, found)
+    outcome.after.to_yaml(out)
     picture, report = out.with_suffix('.png'), out.with_suffix('.md')
+    pictures = {'Measured and modelled': picture}
     draw(outcome, picture)
-    report.write_text(markdown(outcome, picture.name), encoding='utf-8')
+    if len(outcome.stages) > 1:
+        pictures['Deviation and interference'] = out.with_name(f'{out.stem}_trade_off.png')
+        draw_trade_off(outcome, pictures['Deviation and interference'])
+    names = {title: path.name for title, path in pictures.items()}
+    report.write_text(markdown(outcome, names), encoding='utf-8')
     checkpoint.remove()
-    _tell(outcome, (out, report, picture))
+    _tell(outcome, at_bounds(criterion, found.best))
+    print(out, report, *pictures.values(), sep='\n')
 
 
-def _stated(args: argparse.Namespace, muscle: BroadMuscle) -> tuple[Criterion, Any, Any]:
+def _stated(
+    args: argparse.Namespace, muscle: BroadMuscle
+) -> tuple[Criterion, np.ndarray | None, Data]:
     """Return the criterion, the poses to watch and the data that the arguments state."""
+    from ..fit.criterion import Criterion, Weights, grid
+    from ..fit.data import read
+    from ..fit.over_range import STEPS, WHOLE
+    from ..fit.parameters import THESIS, Bound, space
+
     step = None if args.every is None else math.radians(args.every)
     data = read(args.data, muscle, args.convention, args.angle_scale, step)
     bounds = [Bound.of(text) for text in args.bound]
     mm, rad = args.reach
-    parameters = space(muscle.definition, args.free, bounds, (1e-3 * mm, rad))
+    parameters = space(muscle.definition, args.free or THESIS, bounds, (1e-3 * mm, rad))
     over = args.over == 'range'
     given = {'order': float(over), 'jumps': float(over), **dict(args.weights)}
     weights = Weights(clearance=1e-3 * args.clearance, arm_scale=args.arm_scale, **given)
@@ -187,6 +215,26 @@ def _stated(args: argparse.Namespace, muscle: BroadMuscle) -> tuple[Criterion, A
     coarse = grid(ranges, [math.radians(step) for step in COARSE])[1]
     watch = grid(ranges, STEPS)[1]
     return Criterion.of(muscle, parameters, data, weights, coarse), watch, data
+
+
+def _outcome(
+    name: str, muscle: BroadMuscle, data: Data, criterion: Criterion, found: Found
+) -> Outcome:
+    """Return what a fit has made, and what it does over the range of motion."""
+    from ..fit.over_range import over_range
+    from ..fit.report import Outcome, Stage
+
+    def fitted(x: np.ndarray) -> BroadMuscle:
+        places = criterion.space.coefficients(x)
+        made = muscle.with_coefficients({place: float(f'{v:.12g}') for place, v in places.items()})
+        source = f'{muscle.source}; fitted to {data.path.name} ({data.reading})'
+        return BroadMuscle.of(replace(made.definition, name=name, source=source))
+
+    stages = tuple(Stage(depth, best, over_range(fitted(best))) for depth, best in found.best_of)
+    command = 'linkedplane fit ' + shlex.join(sys.argv[2:])
+    start = criterion.space.start
+    return Outcome(command, data, criterion, muscle, fitted(found.best), start,
+                   over_range(muscle), stages)  # fmt: skip
 
 
 def _begun(args: argparse.Namespace, out: Path, checkpoint: Checkpoint) -> dict[str, Any] | None:
@@ -206,12 +254,14 @@ def _begun(args: argparse.Namespace, out: Path, checkpoint: Checkpoint) -> dict[
 def _searched(
     criterion: Criterion,
     plan: Plan,
-    watch: Any,
+    watch: np.ndarray | None,
     jobs: int,
     checkpoint: Checkpoint,
     state: dict[str, Any] | None,
-) -> Any:
-    """Return the best parameters; tells how far the fit is, and keeps its state on disk."""
+) -> Found:
+    """Return what the fit finds; tells how far it is, and keeps its state on disk."""
+    from ..fit.fitting import fit
+
     with bar(plan) as shown:
 
         def tell(progress: Progress, search: Search) -> None:
@@ -219,7 +269,7 @@ def _searched(
             shown(progress)
 
         try:
-            return fit(criterion, plan, watch, state, jobs, tell)[0]
+            return fit(criterion, plan, watch, state, jobs, tell)
         except KeyboardInterrupt:
             if checkpoint.path.exists():
                 print(f'linkedplane: stopped; {checkpoint.path} is there for --resume',
@@ -259,8 +309,10 @@ def bar(plan: Plan) -> Iterator[Callable[[Progress], None]]:
         yield tell
 
 
-def _tell(outcome: Outcome, files: Sequence[Path]) -> None:
+def _tell(outcome: Outcome, bound: list[str]) -> None:
     """Print what has become of the fit."""
+    from ..fit.report import mean
+
     one = outcome.criterion
     values = [one.value(x) for x in (outcome.start, outcome.found)]
     print(
@@ -270,18 +322,15 @@ def _tell(outcome: Outcome, files: Sequence[Path]) -> None:
     before, after = outcome.deviations(outcome.start), outcome.deviations(outcome.found)
     for kind in after:
         if after[kind]:
-            means = [np.abs([row[-1] for row in rows[kind]]).mean() for rows in (before, after)]
-            print(f'{kind}: mean deviation {means[0]:.3f} -> {means[1]:.3f} mm')
-    over = outcome.over[1]
+            print(f'{kind}: mean deviation {mean(before[kind]):.3f} -> {mean(after[kind]):.3f} mm')
+    over = outcome.stages[-1].over
     print(
         f'over the range of motion, {len(over.angles)} poses: {over.entered} bands enter a sphere, '
         f'{over.disordered} are not behind the one before, {over.parted} farther from it than at '
         f'their origins, {over.inside} have no path; largest '
         f'jump of a length {1e3 * over.jump:.2f} mm'
     )
-    bound = at_bounds(one, outcome.found)
     print(f'{len(bound)} parameters at a bound' + (f': {", ".join(bound)}' if bound else ''))
-    print(*files, sep='\n')
 
 
 def weight(text: str) -> tuple[str, float]:
