@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import criterion
 import numpy as np
 import recordings
 
@@ -159,6 +160,7 @@ def measure() -> dict[str, Any]:
     figures: dict[str, Any] = {'machine': machine(), 'compiled': COMPILED}
     calls, missing = rivals(one)
     figures.update(best({'call': lambda: one.solve(rotation), **calls}), **missing)
+    figures.update(best(criterion.calls(one)))
     figures['call uncompiled'] = float(
         output(
             'import bench; one = bench.LinkedPlaneSolver(bench.BroadMuscle.load("deltoid"))\n'
@@ -216,6 +218,14 @@ def table(figures: dict[str, Any]) -> str:
         else:
             times = call / value if name == 'mujoco' else value / call
             rows.append((title, f'{1e6 * value:.1f} us', ratio.format(times)))
+    ratio = figures['criterion'] / figures['criterion poses']
+    rows.append(
+        (
+            'criterion of a fit, 26 poses, 9 bands',
+            f'{1e6 * figures["criterion"]:.0f} us',
+            f'{ratio:.2f} times solve_batch of its poses',
+        )
+    )
     rows.append(('the thesis, 1 GHz laptop', '0.8 ms', 'mean; worst 1.1 ms (ch. 6)'))
     rows += [
         (f'solve_batch, {name}', f'{value:,.0f} frames/s', '')

@@ -83,10 +83,11 @@ class Criterion:
     """(k, 4) interference spheres: centres and radii, m."""
     measured: int
     """How many of the poses are those of measurements."""
-    of_length: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Floats, Floats]
-    """Pose, band, m and the square root of the weight of each measured length."""
-    of_arm: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Floats, Floats, Floats]
-    """The same of each measured moment arm, and its axis (3,)."""
+    of_length: tuple[npt.NDArray[np.int64], Floats, Floats, Floats]
+    """Of each measured length: its place among the bands of all poses, m, the square root of its
+    weight; and an axis that means nothing."""
+    of_arm: tuple[npt.NDArray[np.int64], Floats, Floats, Floats]
+    """The same of each measured moment arm, with its axis (3,)."""
     weights: Weights = field(default_factory=Weights)
 
     @staticmethod
@@ -106,18 +107,18 @@ class Criterion:
             rotation += 0.0  # -0.0 is 0.0
             at = places.setdefault(rotation.tobytes(), len(places))
             rotations += [rotation] if at == len(rotations) else []
-            root = each.weight**0.5
+            place, root = at * len(muscle.band_names) + each.band, each.weight**0.5
             if np.isfinite(each.length):
-                lengths.append((at, each.band, each.length, root, axis))
+                lengths.append((place, each.length, root, axis))
             if np.isfinite(each.arm):
-                arms.append((at, each.band, each.arm, root, axis))
+                arms.append((place, each.arm, root, axis))
         more = np.empty((0, 3, 3)) if more is None else more
         return Criterion(
             space,
             np.concatenate((np.array(rotations), more)),
             spheres_of(muscle),
             len(rotations),
-            _columns(lengths)[:4],
+            _columns(lengths),
             _columns(arms),
             weights or Weights(),
         )
@@ -133,11 +134,12 @@ class Criterion:
 
     def deviations(self, states: States) -> tuple[Floats, Floats]:
         """Return modelled less measured lengths and moment arms, mm, row by row, no weights."""
-        pose, band, length, _ = self.of_length
-        lengths = states.lengths[pose, band] - length
-        pose, band, arm, _, axes = self.of_arm
-        arms = np.einsum('ij,ij->i', states.moments[pose, band], axes)
-        return MM * lengths, MM * (self.weights.arm_scale * arms - arm)
+        place, length, _, _ = self.of_length
+        lengths = states.lengths.take(place) - length
+        place, arm, _, axes = self.of_arm
+        moments = states.moments.reshape(-1, 3).take(place, axis=0)
+        arms = self.weights.arm_scale * np.einsum('ij,ij->i', moments, axes) - arm
+        return MM * lengths, MM * arms
 
     def parts(self, states: States) -> list[Floats]:
         """Return what squared and summed is the criterion, mm; what weighs nothing is left out.
@@ -147,23 +149,25 @@ class Criterion:
         weights = self.weights
         lengths, arms = self.deviations(states)
         parts = [
-            weights.length**0.5 * self.of_length[3] * lengths,
-            weights.arm**0.5 * self.of_arm[3] * arms,
+            weights.length**0.5 * self.of_length[2] * lengths,
+            weights.arm**0.5 * self.of_arm[2] * arms,
         ]
         return parts + [part.ravel() for part in self.faults(states)]
 
     def faults(self, states: States) -> list[Floats]:
         """Return the parts that are of every pose and band, (m, n) or (m, n - 1), mm."""
         weights = self.weights
-        kinds = (
-            (weights.interference, states.depths + weights.clearance),
-            (weights.order, weights.gap - states.gaps),
-            (weights.order, states.gaps - states.spacing),
-            (weights.jumps, states.edges + MARGIN),
-            (1.0, states.insides + MARGIN),
-        )
+        kinds = [(1.0, states.insides, MARGIN)]
+        if weights.interference:
+            kinds.append((weights.interference, states.depths, weights.clearance))
+        if weights.order:
+            kinds.append((weights.order, -states.gaps, weights.gap))
+            kinds.append((weights.order, states.gaps, -states.spacing))
+        if weights.jumps:
+            kinds.append((weights.jumps, states.edges, MARGIN))
         return [
-            (PENALTY * weight) ** 0.5 * MM * np.maximum(by, 0.0) for weight, by in kinds if weight
+            (PENALTY * weight) ** 0.5 * MM * np.maximum(by + more, 0.0)
+            for weight, by, more in kinds
         ]
 
     def residuals(self, x: Floats) -> Floats | float:
@@ -198,13 +202,11 @@ def posed(muscle: Floats, rotations: Floats, spheres: Floats, measured: int) -> 
     lengths, moments = np.empty((measured, n)), np.empty((measured, 3 * n))
     wrap = np.empty((m, n), dtype=np.uint8)
     depths, insides, edges = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
-    filled = lengths, moments, wrap, depths, insides, edges, np.empty((m, n - 1))
+    filled = lengths, moments, wrap, depths, insides, edges, np.empty((m, n - 1)), np.empty(n - 1)
     solved, off = evaluate(muscle, rotations, spheres, *filled)
     if solved < m:
         return min(float(off), 1.0)
-    origins = muscle[3 * FIRST_BAND :].reshape(n, -1)[:, :3]
-    spacing = np.sqrt((np.diff(origins, axis=0) ** 2).sum(axis=1))
-    return States(lengths, moments.reshape(-1, n, 3), *filled[2:], spacing)
+    return States(lengths, moments.reshape(-1, n, 3), *filled[2:])
 
 
 def grid(ranges: Sequence[tuple[float, float]], steps: Sequence[float]) -> tuple[Floats, Floats]:
@@ -221,12 +223,13 @@ def grid(ranges: Sequence[tuple[float, float]], steps: Sequence[float]) -> tuple
     return angles, convention.rotations_and_axes(angles)[0]
 
 
-def _columns(rows: list[tuple[int, int, float, float, Floats]]) -> tuple:  # type: ignore[type-arg]
-    pose, band, value, root, axis = zip(*rows, strict=True) if rows else ((), (), (), (), ())
+def _columns(
+    rows: list[tuple[int, float, float, Floats]],
+) -> tuple[npt.NDArray[np.int64], Floats, Floats, Floats]:
+    places, values, roots, axes = zip(*rows, strict=True) if rows else ((), (), (), ())
     return (
-        np.array(pose, dtype=np.int64),
-        np.array(band, dtype=np.int64),
-        np.array(value, dtype=np.float64),
-        np.array(root, dtype=np.float64),
-        np.array(axis, dtype=np.float64).reshape(-1, 3),
+        np.array(places, dtype=np.int64),
+        np.array(values, dtype=np.float64),
+        np.array(roots, dtype=np.float64),
+        np.array(axes, dtype=np.float64).reshape(-1, 3),
     )

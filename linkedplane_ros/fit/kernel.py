@@ -39,6 +39,19 @@ from ..vectors import ZERO, cross, dot, minus, norm, times
 ANGLE = 10  # where phi stands among the numbers of a band
 
 
+@entry
+def combined(base: Any, columns: Any, x: Any) -> Any:
+    """Return base (k,) + columns (k, p) x (p,), a flat muscle.
+
+    Not by NumPy: the widest instructions of its products would slow all that follows them.
+    """
+    made = base.copy()
+    for i in range(len(base)):
+        for j in range(len(x)):
+            made[i] += columns[i, j] * x[j]
+    return made
+
+
 @compiled
 def prepare(muscle: Muscle) -> None:
     """Make a flat muscle, in place, what the solver's kernels take."""
@@ -103,6 +116,7 @@ def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
         insides: Any,
         edges: Any,
         gaps: Any,
+        spacing: Any,
     ) -> tuple[int, float]:
         """Fill in the muscle's states at m poses; the flat muscle is changed.
 
@@ -110,7 +124,8 @@ def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
         states (m, n); how deep each band enters the interference spheres and how deep its ends lie
         in its own obstacle sphere (m, n), m; how far it is past the edge where its length jumps
         (m, n), m; gaps (m, n - 1), m: by how much each band's middle lies on the far side of the
-        one before, seen from the joint's centre outwards.
+        one before, seen from the joint's centre outwards; spacing (n - 1,), m: how far apart the
+        origins of neighbours are.
 
         Returns how many poses were solved and, if that is none because an end of a band lies in
         its sphere at any pose, how deep, m.
@@ -127,6 +142,9 @@ def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
         if len(bands) < n:
             return 0, 0.0
         neutral = solve_theta(bands, 0.0)[0]
+        for i in range(1, n):
+            origin, before = band_vectors(muscle, i)[0], band_vectors(muscle, i - 1)[0]
+            spacing[i - 1] = norm(minus(origin, before))
         for j in range(len(rotations)):
             rotation = rows_of(rotations[j])
             bands = bands_at(muscle, rotation)

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ..definition import METRES, RADIANS, Curve, Definition, Listed, Polynomial
 from ..linked_planes import BAND_VECTORS, FIRST_BAND
 from ..solver import CODES
-from .kernel import ANGLE
+from .kernel import ANGLE, combined
 
 Floats = npt.NDArray[np.float64]
 
@@ -119,7 +119,7 @@ class Space:
 
     def muscle(self, x: Floats) -> Floats:
         """Return the flat muscle at the parameters x (p,)."""
-        return self.base + self.flat @ x
+        return np.asarray(combined(self.base, self.flat, x))
 
     def coefficients(self, x: Floats) -> dict[str, float]:
         """Return the numbers of the model file at the parameters x (p,), by their places."""
