@@ -119,6 +119,15 @@ def test_nothing_is_replaced_unasked(
     assert 'ends in .yaml' in fault(capsys, *task[:-1], tmp_path / 'fitted.txt')
 
 
+def test_a_name_that_no_model_can_have_is_told_before_the_fit(
+    tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    said_of_it = fault(capsys, *task[:-1], tmp_path / '2nd.yaml')
+    assert "2nd.yaml: name: '2nd' given; a letter, then letters" in said_of_it
+    said(capsys, *task[:-1], tmp_path / '2nd.yaml', *QUICK, '--polish', 2, '--name', 'second')
+    assert BroadMuscle.load(tmp_path / '2nd.yaml').name == 'second'
+
+
 def test_a_fault_of_the_data_names_file_and_line(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
+from ..sections import Section
 from .values import counting, not_negative, positive
 
 if TYPE_CHECKING:
@@ -164,6 +165,7 @@ def run(args: argparse.Namespace) -> None:
     if out.suffix not in ('.yaml', '.yml'):
         raise ValueError(f'{out}: a model file ends in .yaml')
     muscle = BroadMuscle.load(args.model)
+    name = Section(str(out), '', {'name': args.name or out.stem}).token('name')
     criterion, watch, data = _stated(args, muscle)
     plan = Plan(
         args.particles,
@@ -177,7 +179,7 @@ def run(args: argparse.Namespace) -> None:
     checkpoint = Checkpoint(out.with_suffix('.checkpoint'), fingerprint(criterion, plan, watch))
     state = _begun(args, out, checkpoint)
     found = _searched(criterion, plan, watch, args.jobs, checkpoint, state)
-    outcome = _outcome(args.name or out.stem, muscle, data, criterion, found)
+    outcome = _outcome(name, muscle, data, criterion, found)
     outcome.after.to_yaml(out)
     picture, report = out.with_suffix('.png'), out.with_suffix('.md')
     pictures = {'Measured and modelled': picture}

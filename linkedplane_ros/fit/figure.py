@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..colours import HEAD_COLOURS
+from ..colours import HEAD_COLOURS, Colour
 from ..plot import STYLE, library, write
 from .criterion import MM
 from .report import Outcome, mean
@@ -26,19 +26,19 @@ def draw(outcome: Outcome, file: Path) -> None:
         kinds = {kind: rows for kind, rows in outcome.deviations(outcome.found).items() if rows}
         before = outcome.deviations(outcome.start)
         motions = list(dict.fromkeys(row[1] for rows in kinds.values() for row in rows))
-        parts = list(dict.fromkeys(row[0] for rows in kinds.values() for row in rows))
+        colours = _colours(outcome)
         figure = Figure((WIDTH * len(motions) + 0.8, HEIGHT * len(kinds) + 0.9))
         panels = figure.subplots(len(kinds), len(motions), squeeze=False, sharey='row')
         for row, kind in zip(panels, kinds, strict=True):
             for axes, motion in zip(row, motions, strict=True):
-                for k, part in enumerate(parts):
-                    colour = HEAD_COLOURS[k % len(HEAD_COLOURS)]
+                for part, (_, colour) in colours.items():
                     of = (part, motion)
                     _curves(axes, outcome, kind, of, (before[kind], kinds[kind]), colour)
+                axes.set_visible(axes.has_data())
                 axes.axhline(0.0, color='0.8', linewidth=0.6, zorder=0) if kind != 'length' else 0
                 axes.set_xlabel(f'{motion} (deg)')
             row[0].set_ylabel(f'{kind} (mm)')
-        _legend(figure, parts)
+        _legend(figure, dict(colours.values()))
         title = f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}'
         figure.suptitle(title, fontsize=7.0)
         figure.tight_layout(rect=(0.0, 0.09, 1.0, 1.0))
@@ -81,7 +81,7 @@ def _curves(
     kind: str,
     of: tuple[str, str],
     deviations: Sequence[Sequence[tuple[str, str, float, float]]],
-    colour: tuple[float, float, float],
+    colour: Colour,
 ) -> None:
     """Draw a part in a motion: points measured, dashed before, solid after."""
     name = {'length': 'length', 'moment arm': 'arm'}[kind]
@@ -101,19 +101,30 @@ def _curves(
             angle: value for part, motion, angle, value in rows if (part, motion) == of
         }
         values = [measured[angle] + off[angle] for angle in angles]
-        axes.plot(degrees, values, linestyle=line, color=colour, linewidth=0.9)
+        alone = {'marker': '_', 'markersize': 5.0 + 4.0 * (line == '-')} if len(angles) == 1 else {}
+        axes.plot(degrees, values, linestyle=line, color=colour, linewidth=0.9, **alone)
 
 
-def _legend(figure: Any, parts: Sequence[str]) -> None:
+def _colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:
+    """Return of each part that was measured the head that it belongs to, and that one's colour."""
+    muscle = outcome.after
+    heads = {
+        row.part: muscle.head_of(muscle.band_names[row.band]) for row in outcome.data.measurements
+    }
+    order = list(dict.fromkeys(heads.values()))
+    return {
+        part: (head, HEAD_COLOURS[order.index(head) % len(HEAD_COLOURS)])
+        for part, head in heads.items()
+    }
+
+
+def _legend(figure: Any, colours: Mapping[str, Colour]) -> None:
     from matplotlib.lines import Line2D
 
-    handles = [
-        Line2D([], [], color=HEAD_COLOURS[k % len(HEAD_COLOURS)], label=part)
-        for k, part in enumerate(parts)
-    ]
+    handles = [Line2D([], [], color=colour, label=head) for head, colour in colours.items()]
     handles += [
         Line2D([], [], color='0.3', marker='o', markersize=2.5, linestyle='', label='measured'),
         Line2D([], [], color='0.3', linestyle=(0, (3.0, 1.5)), label='before'),
         Line2D([], [], color='0.3', label='after'),
     ]
-    figure.legend(handles=handles, loc='lower center', ncols=len(handles))
+    figure.legend(handles=handles, loc='lower center', ncols=min(len(handles), 6))
