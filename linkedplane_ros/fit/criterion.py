@@ -157,7 +157,7 @@ class Criterion:
     def faults(self, states: States) -> list[Floats]:
         """Return the parts that are of every pose and band, (m, n) or (m, n - 1), mm."""
         weights = self.weights
-        kinds = [(1.0, states.insides, MARGIN)]
+        kinds: list[tuple[float, Floats, float | Floats]] = [(1.0, states.insides, MARGIN)]
         if weights.interference:
             kinds.append((weights.interference, states.depths, weights.clearance))
         if weights.order:
