@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from .conventions import JOINT_CONVENTIONS
 from .definition import COORDINATES
+from .interference import depths
 from .model import BroadMuscle
 from .solver import LinkedPlaneSolver, MuscleStates, WrapState
 
@@ -58,7 +59,7 @@ def looked_over(muscle: BroadMuscle) -> Look:
         k = int(good.argmin())
         found.append(f'{reasons[k]} ({told(angles[k])}); at {(~good).sum()} of {len(good)} poses')
         states = solver.solve_batch(rotations[good])
-    for kind in (inside, along, over):
+    for kind in (inside, along, over, entering):
         found += kind(muscle, states, angles[good])
     if good.all():
         found += jumps(solver, grid, states, turns)
@@ -106,6 +107,14 @@ def over(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[
         'its plane angle turns the fan over: it bulges up to {:.0f} deg away from the band before'
     )
     yield from worst(muscle, angles, apart, OVER, text)
+
+
+def entering(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[str]:
+    """Tell of bands whose paths enter the muscle's interference spheres."""
+    if not muscle.interference_names or not len(states):
+        return
+    deep = np.array([depths(state)[0].max(axis=1) for state in states])
+    yield from worst(muscle, angles, 1e3 * deep, 0.0, 'it enters bone, by up to {:.1f} mm')
 
 
 def fan(muscle: BroadMuscle, states: MuscleStates) -> tuple[Floats, Floats]:

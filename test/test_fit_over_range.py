@@ -11,7 +11,8 @@ from test_fit_criterion import deepest
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import grid
-from linkedplane_ros.fit.over_range import STEPS, WHOLE, over_range
+from linkedplane_ros.fit.over_range import STEPS, over_range
+from linkedplane_ros.model_check import DEFAULT_RANGE
 
 DELTOID = BroadMuscle.load('deltoid')
 
@@ -23,7 +24,7 @@ def moved(*by: float) -> BroadMuscle:
 
 def test_entries_are_counted_over_the_grid_and_random_poses() -> None:
     found = over_range(DELTOID, random=50, ways=0)
-    angles, rotations = grid(DELTOID.range_of_motion or WHOLE, STEPS)
+    angles, rotations = grid(DELTOID.range_of_motion or DEFAULT_RANGE, STEPS)
     states = LinkedPlaneSolver(DELTOID).solve_batch(rotations)
     assert len(found.angles) == len(angles) + 50 == 17 * 13 * 13 + 50
     entered = deepest(states)
@@ -50,7 +51,7 @@ def test_a_jump_is_found_as_large_as_it_is() -> None:
 
 def test_bands_without_a_path_are_counted() -> None:
     muscle = moved(0.0, -0.04, 0.0)
-    rotations = grid(muscle.range_of_motion or WHOLE, STEPS)[1]
+    rotations = grid(muscle.range_of_motion or DEFAULT_RANGE, STEPS)[1]
     inside = LinkedPlaneSolver(muscle).solve_batch(rotations).wrap == WrapState.INSIDE
     assert over_range(muscle, random=0, ways=0).inside == inside.sum() > 100
 
@@ -62,4 +63,4 @@ def test_a_muscle_without_any_path_is_told_in_one_line() -> None:
 
 def test_without_a_range_of_its_own_a_model_is_looked_at_in_the_deltoids() -> None:
     found = over_range(replace(DELTOID, range_of_motion=None), random=0, ways=0)
-    assert found.ranges == WHOLE
+    assert found.ranges == DEFAULT_RANGE

@@ -13,10 +13,17 @@ from reference import Array
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.cli import main
+from linkedplane_ros.interference import depths
 from linkedplane_ros.model_check import DEFAULT_RANGE, looked_over
 from linkedplane_ros.model_report import report
 
 DELTOID = BroadMuscle.load('deltoid')
+BONELESS = replace(
+    DELTOID,
+    interference_names=(),
+    interference_centres=np.empty((0, 3)),
+    interference_radii=np.empty(0),
+)
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 SMALL = ((0.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # rad: 9 x 7 x 1 poses
 
@@ -27,11 +34,25 @@ def rotations(limits: tuple[tuple[float, float], ...]) -> Array:
     return np.array([THESIS.rotation((f, a, r)) for f in axes[0] for a in axes[1] for r in axes[2]])
 
 
-def test_the_published_deltoid_has_nothing_to_warn_of() -> None:
-    look = looked_over(DELTOID)
+def test_but_for_the_bones_the_published_deltoid_has_nothing_to_warn_of() -> None:
+    look = looked_over(BONELESS)
     assert look.warnings == ()
     assert look.poses == 9 * 7 * 5
     assert look.range_of_motion == DELTOID.range_of_motion
+
+
+def test_bands_that_enter_bone_are_told_with_their_depth() -> None:
+    still = replace(DELTOID, range_of_motion=((0.0, 0.0),) * 3)
+    state = LinkedPlaneSolver(DELTOID).solve(np.eye(3))
+    deep = 1e3 * depths(state)[0].max(axis=1)
+    expected = [
+        f'{band}: it enters bone, by up to {d:.1f} mm '
+        '(flexion 0, abduction 0, rotation 0 deg); at 1 of 1 poses'
+        for band, d in zip(DELTOID.band_names, deep, strict=True)
+        if d > 0.0
+    ]
+    assert looked_over(still).warnings == tuple(expected)
+    assert len(expected) == 2
 
 
 def test_a_model_that_states_no_range_is_looked_at_over_the_deltoids() -> None:
@@ -45,7 +66,7 @@ def test_an_attachment_inside_its_sphere_is_told_with_its_depth(end: str, centre
     radii = np.full(9, 0.004)
     radii[3] = 0.0075
     muscle = replace(
-        DELTOID,
+        BONELESS,
         sphere_frame={'origin': 'ground', 'insertion': 'humerus'}[end],
         sphere_centres=getattr(DELTOID, centre) + np.array([0.0, 0.005, 0.0]),
         sphere_radii=radii,
@@ -60,7 +81,7 @@ def test_an_attachment_inside_its_sphere_is_told_with_its_depth(end: str, centre
 
 def test_the_worst_pose_of_an_attachment_in_a_moving_sphere_is_told() -> None:
     radii = DELTOID.sphere_radii * 2.2
-    muscle = replace(DELTOID, sphere_radii=radii)
+    muscle = replace(BONELESS, sphere_radii=radii)
     poses = rotations(muscle.range_of_motion)
     centres = reference.sphere_centres(muscle, poses)
     ends = np.einsum('mij,nj->mni', poses, muscle.insertions)
@@ -86,7 +107,7 @@ def test_the_worst_pose_of_an_attachment_in_a_moving_sphere_is_told() -> None:
 def test_a_normal_nearly_along_the_first_band_is_told() -> None:
     line = DELTOID.insertions[0] - DELTOID.origins[0]
     near = reference.unit(line) + 0.05 * DELTOID.reference_normal  # 3 deg off, the arm at the side
-    muscle = replace(DELTOID, reference_normal=near, range_of_motion=((0.0, 0.0),) * 3)
+    muscle = replace(BONELESS, reference_normal=near, range_of_motion=((0.0, 0.0),) * 3)
     [told] = looked_over(muscle).warnings
     sine = np.linalg.norm(np.cross(reference.unit(near), reference.unit(line)))
     off = np.degrees(np.arcsin(sine))
@@ -99,7 +120,7 @@ def test_a_normal_nearly_along_the_first_band_is_told() -> None:
 def test_a_plane_angle_that_turns_the_fan_over_is_told() -> None:
     phi = DELTOID.plane_angles.copy()
     phi[4] = np.radians(130.0)
-    muscle = replace(DELTOID, plane_angles=phi, range_of_motion=SMALL)
+    muscle = replace(BONELESS, plane_angles=phi, range_of_motion=SMALL)
     [told] = [line for line in looked_over(muscle).warnings if 'turns the fan over' in line]
     assert told.startswith('middle_2: its plane angle turns the fan over: it bulges up to 1')
     assert 'away from the band before' in told
@@ -145,7 +166,7 @@ def test_poses_at_which_a_band_has_no_plane_are_told() -> None:
     pose = np.radians((80.0, 60.0, 0.0))
     insertions = DELTOID.insertions.copy()
     insertions[2] = THESIS.rotation(pose).T @ DELTOID.origins[2]
-    muscle = replace(DELTOID, insertions=insertions, range_of_motion=DEFAULT_RANGE)
+    muscle = replace(BONELESS, insertions=insertions, range_of_motion=DEFAULT_RANGE)
     told = looked_over(muscle).warnings[0]
     assert told.startswith('band anterior_3 has no plane at this pose')
     assert told.endswith('(flexion 80, abduction 60, rotation 0 deg); at 1 of 315 poses')
@@ -155,7 +176,7 @@ def test_info_prints_the_warnings_and_ends_well(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / 'large.yaml'
-    replace(DELTOID, sphere_radii=DELTOID.sphere_radii * 2.2).to_yaml(path)
+    replace(BONELESS, sphere_radii=DELTOID.sphere_radii * 2.2).to_yaml(path)
     assert main(['info', str(path)]) == 0
     out, err = capsys.readouterr()
     assert err == ''
@@ -167,7 +188,7 @@ def test_info_prints_the_warnings_and_ends_well(
 
 def test_info_tells_what_the_spheres_move_with() -> None:
     shared = replace(
-        DELTOID,
+        BONELESS,
         sphere_frame=('ground',) * 4 + ('humerus',) * 4 + ('moving',),
         sphere_centres=np.tile([0.0, 0.001, 0.002], (9, 1)),
         sphere_radii=np.full(9, 0.02),

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
+from ..model_check import DEFAULT_RANGE
 from ..sections import Section
 from .values import counting, not_negative, positive
 
@@ -200,7 +201,7 @@ def _stated(
     """Return the criterion, the poses to watch and the data that the arguments state."""
     from ..fit.criterion import Criterion, Weights, grid
     from ..fit.data import read
-    from ..fit.over_range import STEPS, WHOLE
+    from ..fit.over_range import STEPS
     from ..fit.parameters import THESIS, Bound, space
 
     step = None if args.every is None else math.radians(args.every)
@@ -213,7 +214,7 @@ def _stated(
     weights = Weights(clearance=1e-3 * args.clearance, arm_scale=args.arm_scale, **given)
     if not over:
         return Criterion.of(muscle, parameters, data, weights), None, data
-    ranges = muscle.range_of_motion or WHOLE
+    ranges = muscle.range_of_motion or DEFAULT_RANGE
     coarse = grid(ranges, [math.radians(step) for step in COARSE])[1]
     watch = grid(ranges, STEPS)[1]
     return Criterion.of(muscle, parameters, data, weights, coarse), watch, data

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
+from ..model_check import DEFAULT_RANGE
 from ..solver import LinkedPlaneSolver, WrapState
 from .criterion import grid, posed, spheres_of
 from .parameters import flat_numbers
@@ -17,10 +18,6 @@ from .parameters import flat_numbers
 Floats = npt.NDArray[np.float64]
 Ranges = tuple[tuple[float, float], ...]
 
-WHOLE: Ranges = tuple(
-    (math.radians(low), math.radians(high)) for low, high in ((-40, 120), (0, 120), (-60, 60))
-)
-"""Flexion, abduction and rotation where a model states none: what the deltoid is looked at in."""
 STEPS = (math.radians(10.0), math.radians(10.0), math.radians(10.0))
 RANDOM = 2000  # poses beside the grid's
 WAYS = 60  # straight ways between random poses, beside those along single coordinates
@@ -69,11 +66,11 @@ def over_range(
     ways: int = WAYS,
     seed: int = 0,
 ) -> OverRange:
-    """Look at a model over its range of motion; without one, over WHOLE.
+    """Look at a model over its range of motion; without one, over DEFAULT_RANGE.
 
     ValueError where a band has no plane, or no path at any pose.
     """
-    ranges = muscle.range_of_motion or WHOLE
+    ranges = muscle.range_of_motion or DEFAULT_RANGE
     generator = np.random.default_rng(seed)
     low, high = np.array(ranges).T
     angles, rotations = grid(ranges, steps)
