@@ -84,7 +84,7 @@ def in_words(muscle: BroadMuscle, data: Data, weights: Weights, more: Array) -> 
     spacing = np.linalg.norm(np.diff(muscle.origins, axis=0), axis=1)
     for state in states:
         for gap, widest in zip(gaps(state), spacing, strict=True):
-            short, wide = max(weights.gap - gap, 0.0), max(gap - widest, 0.0)
+            short, wide = max(weights.gap - gap, 0.0), max(gap + 1e-3 - widest, 0.0)
             total += 100.0 * weights.order * 1e6 * (short**2 + wide**2)
         for past in past_edges(state):
             total += 100.0 * weights.jumps * max(1e3 * (past + 1e-3), 0.0) ** 2

@@ -29,7 +29,7 @@ Floats = npt.NDArray[np.float64]
 
 MM = 1e3  # millimetres in a metre
 PENALTY = 100.0  # mm^-2
-MARGIN = 1e-3  # m: by how much bands have to keep off jumps, and their ends off their own spheres
+MARGIN = 1e-3  # m: by how much bands keep off jumps and off parting, and ends off their own spheres
 IMPOSSIBLE = 1e9  # of a muscle that has no path at any pose; more the farther from having one
 
 
@@ -162,7 +162,7 @@ class Criterion:
             kinds.append((weights.interference, states.depths, weights.clearance))
         if weights.order:
             kinds.append((weights.order, -states.gaps, weights.gap))
-            kinds.append((weights.order, states.gaps, -states.spacing))
+            kinds.append((weights.order, states.gaps, MARGIN - states.spacing))
         if weights.jumps:
             kinds.append((weights.jumps, states.edges, MARGIN))
         return [
