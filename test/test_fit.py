@@ -110,10 +110,13 @@ def test_a_fit_that_was_stopped_goes_on_as_if_it_had_not_been() -> None:
     watch = random_poses(10, 0)
     plan = replace(QUICK, tighten=(0.02, 0.01))
     x, value, states = states_of(quick(weights), plan, watch)
-    assert len(states) == 13  # 2 rounds of 4 generations and a polish, 3 stages
+    # generations, polishes of the rounds, of later stages
+    assert {(s['round'], s['polishes'] > 0, len(s['best_of'])) for s in states} >= {
+        (0, False, 0), (0, True, 0), (1, False, 0), (1, True, 0), (2, True, 1), (2, True, 2)
+    }  # fmt: skip
     assert states[-1]['added']
-    for at in (0, 4, 6, 9, 10, 11, 12):
-        again = fit(quick(weights), plan, watch, state=states[at])
+    for state in states[::2]:
+        again = fit(quick(weights), plan, watch, state=state)
         np.testing.assert_array_equal(again.best, x)
         assert again.value == value
 

@@ -6,8 +6,10 @@ import math
 import signal
 import subprocess
 import time
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from test_cli import PROGRAM, fault, said
 from test_fit import ten_percent_off
@@ -101,6 +103,7 @@ def test_a_fit_that_was_interrupted_is_taken_up(
         (['--free', 'sphere.rad'], "free: 'sphere.rad' is nothing of deltoid; it has"),
         (['--bound', 'sphere.radius'], "bound 'sphere.radius': PATTERN=LOW:HIGH"),
         (['--bound', 'origin=+-1'], "bound: 'origin' is none of what is free"),
+        (['--tighten', '2', '4'], 'tighten: [2.0, 4.0] given; ever smaller depths expected'),
         (['--resume'], 'fitted.checkpoint: cannot be read: No such file'),
     ],
 )
@@ -108,6 +111,43 @@ def test_what_cannot_be_fitted_is_told_in_one_line(
     task: list[str], more: list[str], said_of_it: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert said_of_it in fault(capsys, *task, *more)
+
+
+def test_there_is_nothing_to_tighten_without_bones(
+    task: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    boneless = replace(
+        DELTOID,
+        interference_names=(),
+        interference_centres=np.empty((0, 3)),
+        interference_radii=np.empty(0),
+    )
+    boneless.to_yaml(task[1])
+    assert 'tighten: deltoid has no interference spheres' in fault(capsys, *task, '--tighten', '4')
+    report = said(capsys, *task, *QUICK, '--polish', '2', '--over', 'range')
+    assert ' 0 bands enter a sphere' in report
+
+
+def test_a_fit_that_tightens_draws_the_trade_off(
+    tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    said(
+        capsys,
+        *task,
+        *QUICK,
+        '--polish',
+        '2',
+        '--weights',
+        'interference=1',
+        '--tighten',
+        '20',
+        '9',
+    )
+    assert (tmp_path / 'fitted_trade_off.png').read_bytes().startswith(b'\x89PNG')
+    report = (tmp_path / 'fitted.md').read_text(encoding='utf-8')
+    assert '![Deviation and interference](fitted_trade_off.png)' in report
+    rows = report.partition('| let in, mm |')[2].splitlines()[2:5]
+    assert [row.split('|')[1].strip() for row in rows] == ['20', '9', '0']
 
 
 def test_nothing_is_replaced_unasked(

@@ -167,6 +167,10 @@ def run(args: argparse.Namespace) -> None:
         raise ValueError(f'{out}: a model file ends in .yaml')
     muscle = BroadMuscle.load(args.model)
     name = Section(str(out), '', {'name': args.name or out.stem}).token('name')
+    if args.tighten and not muscle.interference_names:
+        raise ValueError(f'tighten: {muscle.name} has no interference spheres')
+    if args.tighten != sorted(args.tighten, reverse=True):
+        raise ValueError(f'tighten: {args.tighten} given; ever smaller depths expected')
     criterion, watch, data = _stated(args, muscle)
     plan = Plan(
         args.particles,

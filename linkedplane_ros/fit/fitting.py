@@ -68,6 +68,8 @@ class Search:
     """None before a round's first generation."""
     generation: int = 0
     """Done in this round."""
+    polishes: int = 0
+    """Done at this round or stage."""
     added: tuple[int, ...] = ()
     """Of the watched poses, those that the criterion has taken in at this stage."""
     best_of: tuple[tuple[float, Floats], ...] = ()
@@ -80,6 +82,7 @@ class Search:
             'value': self.value,
             'round': self.round,
             'generation': self.generation,
+            'polishes': self.polishes,
             'added': self.added,
             'best_of': [(depth, best.tolist()) for depth, best in self.best_of],
             'swarm': self.swarm and self.swarm.state(),
@@ -94,6 +97,7 @@ class Search:
             state['round'],
             state['swarm'] and Swarm.resumed(state['swarm']),
             state['generation'],
+            state['polishes'],
             tuple(state['added']),
             tuple((depth, np.array(best)) for depth, best in state['best_of']),
         )
@@ -124,7 +128,7 @@ def fit(
     Where the best muscle of a stage does what none may do at poses to `watch` (k, 3, 3), the
     criterion takes in the worst of them and the stage is polished again: few poses that count stand
     for many. The same criterion, plan and machine give the same answer, whatever `jobs`, and also
-    from the `state` of a Search that `tell`, called after every generation, was given.
+    from the `state` of a Search that `tell`, called after every generation and polish, was given.
     """
     with ThreadPoolExecutor(jobs) as threads:
         work = _Work(criterion, threads if jobs > 1 else None, watch, plan.tighten)
@@ -136,16 +140,19 @@ def fit(
         work.at(search)
         while search.round < plan.rounds:
             _swarm(search, plan, work, tell)
-            _polish(search, plan, work)
+            _polish(search, plan, work, tell)
             search.round, search.generation, search.swarm = search.round + 1, 0, None
+            search.polishes = 0
             tell(Progress(search.round, 0, search.value), search)
         while len(search.best_of) < len(work.stages):
             if search.best_of:  # the first stage is that of the rounds
-                search.added = ()
-                work.at(search)
-                work.take_in(search)
-                _polish(search, plan, work)
-            depth = -work.stages[len(search.best_of)]
+                if not search.polishes:
+                    search.added = ()
+                    work.at(search)
+                    work.take_in(search)
+                _polish(search, plan, work, tell)
+                search.polishes = 0
+            depth = 0.0 - work.stages[len(search.best_of)]
             search.best_of += ((depth, search.best),)
             tell(Progress(search.round, 0, search.value), search)
         best_of = tuple((depth, work.low + work.room * best) for depth, best in search.best_of)
@@ -220,16 +227,17 @@ def _swarm(
         tell(Progress(search.round, search.generation, search.value), search)
 
 
-def _polish(search: Search, plan: Plan, work: _Work) -> None:
+def _polish(
+    search: Search, plan: Plan, work: _Work, tell: Callable[[Progress, Search], None]
+) -> None:
     """Polish the best of a stage, and again with the worst of the watched poses taken in."""
-    if not plan.polish:
-        return
     last = len(search.best_of) == len(work.stages) - 1
-    for _ in range(LAST if last else PATIENCE):
+    most = (LAST if last else PATIENCE) if plan.polish else 0
+    while search.polishes < most:
         search.best = polished(work.residuals, search.best, plan.polish, work.pool)
         search.value = work.value(search.best)
-        if not work.take_in(search):
-            break
+        search.polishes = search.polishes + 1 if work.take_in(search) else most
+        tell(Progress(search.round, search.generation, search.value), search)
 
 
 def fingerprint(criterion: Criterion, plan: Plan, watch: Floats | None = None) -> str:
