@@ -6,9 +6,7 @@ import pytest
 from test_tables import JOINTS
 
 from linkedplane_ros.recordings import RecordingError
-from linkedplane_ros.tables import (
-    choose,
-)
+from linkedplane_ros.tables import choose
 
 OPENSIM = (
     '/jointset/shoulder/plane_elv/value',

@@ -13,13 +13,7 @@ from hypothesis import strategies as st
 from test_tables import JOINTS, unhurried, whole
 
 from linkedplane_ros.recordings import RecordingError
-from linkedplane_ros.tables import (
-    Floats,
-    Table,
-    differentiated,
-    lowpassed,
-    resampled,
-)
+from linkedplane_ros.tables import Floats, Table, differentiated, lowpassed, resampled
 
 
 def sine(frequency: float, times: Floats) -> Floats:

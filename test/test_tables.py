@@ -13,11 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkedplane_ros.recordings import RecordingError
-from linkedplane_ros.tables import (
-    Floats,
-    Table,
-    choose,
-)
+from linkedplane_ros.tables import Floats, Table, choose
 
 JOINTS = ('plane_elv', 'shoulder_elv', 'axial_rot')
 MOT = 'Coordinates\nversion=1\ninDegrees=yes\nendheader\ntime\ta\tb\n0\t1\t2\n0.1\t3\t4\n'
