@@ -25,10 +25,11 @@ view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and m
 
 test: .venv/.rivals check workspace  ## run all checks and tests
 	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2
+	@$(MAKE) --no-print-directory browser
 
-# They wait for a browser that draws without a graphics card: beside other work they run late.
-browser: .venv/.made  ## test the viewer in Chromium, alone on the machine
-	$(BIN)/python -m pytest -m browser
+# Alone: the browser draws without a graphics card, and takes the machine for itself.
+browser: .venv/.made  ## test the viewer in Chromium; part of make test
+	$(BIN)/python -m pytest -m browser test/test_viewer.py
 
 bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node beside a pass-through
 	@$(BIN)/python bench/bench.py

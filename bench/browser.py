@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 PATIENCE = 60.0  # s: the longest that anything is waited for
-CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
+CHROMIUM = shutil.which('chromium')
 # drawn in software: slow, but the same everywhere
 DRAWING = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
 # the rest of the page is quicker without what stands in for a graphics card
