@@ -17,7 +17,7 @@ DRAWING = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftsh
 # the rest of the page is quicker without what stands in for a graphics card
 DRAWING += ['--disable-gpu-rasterization', '--disable-gpu-compositing']
 ALONE = ['--no-sandbox', '--disable-background-networking', '--disable-component-update']
-HELD_BACK = 100.0  # ms: the library holds a change back for 50 ms; another one then undoes it
+TOLD = b'GuiUpdate'  # in what the page sends when something on its panel has changed
 WINDOW = {'width': 1280, 'height': 720}
 LINES = """name => {
   const node = window.__viserMutable?.nodeRefFromName[name];
@@ -28,6 +28,9 @@ LINES = """name => {
 PLOTS = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
   .map(each => Array.from(each.chart.data, column => Array.from(column)))"""
 
+REACHES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
+  .map(each => [each.chart.scales.y.min, each.chart.scales.y.max])"""
+
 
 class Page:
     """A page of the browser at the viewer."""
@@ -36,17 +39,25 @@ class Page:
         """Load it; so many pixels are drawn for one of the page's, few to be quick."""
         self.page = page
         self.errors: list[str] = []
+        self._told = 0
         self.requests: list[str] = []
         page.on('pageerror', lambda error: self.errors.append(str(error)))
         page.on('console', self._said)
         page.on('request', lambda request: self.requests.append(request.url))
-        page.on('websocket', lambda socket: self.requests.append(socket.url))
+        page.on('websocket', self._connected)
         page.set_default_timeout(1e3 * PATIENCE)
         page.goto(f'{url}/?fixedDpr={dpr}' if url.startswith('http') else url)
 
     def _said(self, message: Any) -> None:
         if message.type == 'error':
             self.errors.append(message.text)
+
+    def _connected(self, socket: Any) -> None:
+        self.requests.append(socket.url)
+        socket.on('framesent', self._sent)
+
+    def _sent(self, frame: str | bytes) -> None:
+        self._told += isinstance(frame, bytes) and TOLD in frame
 
     def lines(self, name: str = '/deltoid/bands/lines') -> np.ndarray:
         """Return what the scene holds of lines: (m, 2, 3), m; none where they are not there."""
@@ -62,26 +73,42 @@ class Page:
         """Return the columns of each plot that is to be seen, x first."""
         return [np.array(columns, dtype=float) for columns in self.page.evaluate(PLOTS)]
 
+    def reaches(self) -> np.ndarray:
+        """Return the lowest and highest number that each plot has room for."""
+        return np.array(self.page.evaluate(REACHES), dtype=float).reshape(-1, 2)
+
     def frames(self) -> int:
         """Return how often the scene was drawn."""
         return int(self.page.evaluate('window.__viserTestpoints.rendererInfo.render.frame'))
 
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Wait until what is done here is sent: the library keeps but the last change of 50 ms."""
+        before = self._told
+        yield
+        if not until(lambda: self._told > before, wait=self.page.wait_for_timeout):
+            raise TimeoutError('nothing was sent')
+
     def press(self, text: str) -> None:
-        """Press what bears a text; a slow machine is not asked to hold still for it."""
+        """Press a button; a slow machine is not asked to hold still for it."""
+        with self._telling():
+            self.turn_to(text)
+
+    def turn_to(self, text: str) -> None:
+        """Press what bears a text and changes nothing but what this page shows: a tab."""
         self.page.get_by_text(text, exact=True).first.click(force=True)
-        self.page.wait_for_timeout(HELD_BACK)
 
     def tick(self, label: str) -> None:
         """Press the checkbox beside a label."""
         row = self.page.get_by_text(label, exact=True).first
-        row.locator('xpath=following::input[@type="checkbox"][1]').dispatch_event('click')
-        self.page.wait_for_timeout(HELD_BACK)
+        with self._telling():
+            row.locator('xpath=following::input[@type="checkbox"][1]').dispatch_event('click')
 
     def choose(self, chosen: str, other: str) -> None:
         """Choose something else where something is chosen."""
         self.page.locator(f'input[value="{chosen}"]').first.dispatch_event('click')
-        self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
-        self.page.wait_for_timeout(HELD_BACK)
+        with self._telling():
+            self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
 
     def slide(self, slider: int, degrees: float) -> None:
         """Move a slider: press its track where about so many degrees are."""
@@ -90,10 +117,8 @@ class Page:
         track = self.page.locator('.mantine-Slider-track').nth(slider).bounding_box()
         part = (degrees - low) / (high - low)
         middle = track['y'] + 0.5 * track['height']
-        self.page.mouse.click(track['x'] + part * track['width'], middle)
-        pixel = (high - low) / track['width']
-        until(lambda: abs(float(thumb.get_attribute('aria-valuenow')) - degrees) < 2.0 * pixel)
-        self.page.wait_for_timeout(HELD_BACK)
+        with self._telling():
+            self.page.mouse.click(track['x'] + part * track['width'], middle)
 
     def angles(self) -> np.ndarray:
         """Return where the sliders stand, rad."""
@@ -112,11 +137,15 @@ def browser() -> Iterator[Any]:
         made.close()
 
 
-def until(condition: Callable[[], bool], seconds: float = PATIENCE) -> bool:
+def until(
+    condition: Callable[[], bool],
+    seconds: float = PATIENCE,
+    wait: Callable[[float], None] = lambda milliseconds: time.sleep(1e-3 * milliseconds),
+) -> bool:
     """Wait until a condition holds; return whether it did in time."""
     deadline = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > deadline:
             return False
-        time.sleep(0.05)
+        wait(50.0)
     return True

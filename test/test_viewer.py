@@ -131,6 +131,20 @@ def test_the_plots_grow_by_the_lengths_and_arms_of_the_heads(stage: Stage) -> No
 
     assert until(newest)
     assert page.plots()[0][0, -1] > before
+    assert all_lines_are_seen(page)
+
+
+def all_lines_are_seen(page: Page) -> bool:
+    """Return whether the plots come to have room for all that is in them."""
+
+    def room() -> bool:
+        found = zip(page.plots(), page.reaches(), strict=True)
+        return all(
+            low < np.nanmin(columns[1:]) and np.nanmax(columns[1:]) < high
+            for columns, (low, high) in found
+        )
+
+    return until(room)
 
 
 def test_a_button_takes_the_arm_to_an_end_pose_of_the_case_study(stage: Stage) -> None:
@@ -194,13 +208,13 @@ def test_spheres_and_planes_are_there_on_demand(stage: Stage) -> None:
             )
         )
 
-    page.press('look')
+    page.turn_to('look')
     for name, label in zip(names, ('obstacle spheres', 'interference spheres'), strict=True):
         assert not there(f'/deltoid/{name}')
         page.tick(label)
         assert until(lambda name=name: there(f'/deltoid/{name}'))
         page.tick(label)
-    page.press('plots')
+    page.turn_to('plots')
 
 
 def test_the_sliders_follow_a_stream_when_they_are_told_to(stage: Stage, peer: Peer) -> None:
@@ -221,6 +235,8 @@ def test_the_sliders_follow_a_stream_when_they_are_told_to(stage: Stage, peer: P
 def test_a_stream_of_1_khz_is_drawn_at_the_screens_rate_and_its_end_is_what_is_shown(
     stage: Stage, peer: Peer
 ) -> None:
+    # the node and the viewer
+    assert peer.until(lambda: peer.publisher.get_subscription_count() > 1)
     stage.page.tick('follow the stream')
     before = stage.page.frames()
     count, start = 2000, time.monotonic()
@@ -228,8 +244,9 @@ def test_a_stream_of_1_khz_is_drawn_at_the_screens_rate_and_its_end_is_what_is_s
         time.sleep(max(0.0, start + k / 1000 - time.monotonic()))
         angles = (0.8 * np.sin(0.003 * k), 0.5, 0.001 * (k % 300))
         peer.send(THESIS.coordinates, angles, nanoseconds=time.time_ns())
+    assert stage.page.frames() - before < count / 4
     assert stage.shows(state_at(angles))
-    assert 0 < stage.page.frames() - before < count / 4
+    assert until(lambda: stage.page.frames() > before)
     stage.page.tick('follow the stream')
 
 
@@ -257,18 +274,18 @@ def test_a_node_that_dies_and_comes_back_is_moved_again(stage: Stage) -> None:
 def test_a_still_is_a_picture_of_the_scene(stage: Stage) -> None:
     stage.page.press('neutral')
     assert stage.shows(state_at((0.0, 0.0, 0.0)))
-    stage.page.press('save')
+    stage.page.turn_to('save')
     with stage.page.page.expect_download() as download:
         stage.page.press('still (PNG)')
     path = stage.folder / download.value.suggested_filename
     download.value.save_as(path)
     assert path.suffix == '.png'
     assert heads_seen(path.read_bytes())
-    stage.page.press('plots')
+    stage.page.turn_to('plots')
 
 
 def test_a_recording_opens_without_a_server(stage: Stage) -> None:
-    stage.page.press('save')
+    stage.page.turn_to('save')
     stage.page.press('record')
     stage.page.press('abduction 90')
     state = state_at((0.0, np.radians(90.0), 0.0))
@@ -283,7 +300,7 @@ def test_a_recording_opens_without_a_server(stage: Stage) -> None:
     assert replay.errors == []
     assert {urlsplit(url).scheme for url in replay.requests} <= {'file', 'data', 'blob'}
     alone.close()
-    stage.page.press('plots')
+    stage.page.turn_to('plots')
 
 
 def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
@@ -297,4 +314,8 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
         np.testing.assert_allclose(
             stage.page.lines('/left/deltoid/bands/lines'), wanted, rtol=0.0, atol=DRAWN
         )
-        assert until(lambda: stage.page.page.get_by_text('left deltoid').count() > 0)
+        assert until(lambda: stage.page.page.get_by_text('dashed: left deltoid').count() > 0)
+        stage.page.choose('time', 'coordinate')
+        # the left arm has not been moved: a point of its curves, the right one's before and behind
+        assert until(lambda: len(stage.page.plots()) == 2 and len(stage.page.plots()[0]) == 7)
+        assert all_lines_are_seen(stage.page)

@@ -21,7 +21,7 @@ from linkedplane_ros.colours import head_colours
 from linkedplane_ros.markers import MuscleMarkers
 from linkedplane_ros.viewer import colour_map, motions, wire
 from linkedplane_ros.viewer.geometry import Bodies, Lines, Markers, Sheets, apply, drawables
-from linkedplane_ros.viewer.history import Curve, Recent
+from linkedplane_ros.viewer.history import Curve, Recent, side_by_side, widened
 from linkedplane_ros.viewer.newest import Facts, Newest, Values
 from linkedplane_ros.viewer.table import table
 
@@ -240,6 +240,25 @@ def test_a_curve_has_one_value_a_degree_whichever_way_it_was_gone() -> None:
     assert len(known) == 61
     assert (np.diff(known[:, 0]) > 0.0).all()
     np.testing.assert_allclose(known[:, 1], 2.0 * known[:, 0])
+
+
+def test_curves_side_by_side_share_their_places_and_keep_their_ends() -> None:
+    one = np.array(((0.0, 1.0), (2.0, 3.0), (4.0, 5.0)))
+    other = np.array(((1.0, -1.0), (3.0, -3.0)))
+    none = np.empty((0, 2))
+    table = side_by_side([one, other, none])
+    np.testing.assert_array_equal(table[:, 0], [0, 1, 2, 3, 4])
+    np.testing.assert_array_equal(table[:, 1], [1, 2, 3, 4, 5])
+    np.testing.assert_array_equal(table[:, 2], [np.nan, -1, -2, -3, np.nan])
+    assert np.isnan(table[:, 3]).all()
+    np.testing.assert_array_equal(side_by_side([one]), one)
+
+
+def test_a_plot_reaches_round_numbers_and_never_less_far_than_before() -> None:
+    assert widened(None, [np.nan, 88.2, 151.0], 10.0) == (80.0, 160.0)
+    assert widened((80.0, 160.0), [120.0, 189.5], 10.0) == (80.0, 200.0)  # with room
+    assert widened((80.0, 160.0), [np.nan], 10.0) == (80.0, 160.0)
+    assert widened(None, [np.nan], 10.0) is None
 
 
 # Motions

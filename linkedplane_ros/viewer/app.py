@@ -10,6 +10,7 @@ from typing import Any
 import viser
 
 from . import scene
+from .camera import Cameras, view
 from .geometry import Markers, apply, drawables
 from .look import Look, theme
 from .newest import Facts, Floats, Values
@@ -42,6 +43,7 @@ class Viewer:
         self._facts: dict[str, Facts] | None = None
         self._panels: dict[str, MusclePanel] = {}
         self._colours: dict[str, Any] = {}
+        self._cameras: Cameras | None = None
         self._look: Look | None = None
         self._plots: Plots | None = None
         self._saving: Saving | None = None
@@ -50,8 +52,9 @@ class Viewer:
 
     def _build(self, muscles: dict[str, Facts]) -> None:
         """Make the panels anew: a muscle has come, or has become another."""
-        if self._facts is None:
+        if self._cameras is None:
             scene.prepare(self._server)
+            self._cameras = Cameras(self._server)
         self._facts = muscles
         self._panels = {}
         self._look = self._plots = self._saving = None
@@ -86,7 +89,7 @@ class Viewer:
         with pages.add_tab('save'):
             self._saving = Saving(self._server, gui, lambda: look.dark)
         self._look = look
-        scene.look_at(self._server, len(names))
+        self._cameras.look(view([facts.side for facts in muscles.values()]))
         for prefix, facts in muscles.items():
             self._scenes[prefix].settle(facts.side, len(names))
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
+Range = tuple[float, float]
 
 
 class Recent:
@@ -56,3 +60,33 @@ class Curve:
     def known(self) -> Floats:
         """Return the rows (k, 1 + width) in order: where the coordinate was, and the numbers."""
         return np.asarray(self._rows[np.isfinite(self._rows[:, 0])])
+
+
+def side_by_side(curves: Sequence[Floats]) -> Floats:
+    """Return curves (k, 1 + w) as one table: all their places in order, and the numbers of each.
+
+    Between its places a curve is straight; before and behind them its numbers are NaN.
+    """
+    places = np.unique(np.concatenate([curve[:, 0] for curve in curves]))
+    columns = [places]
+    for curve in curves:
+        for numbers in curve[:, 1:].T:
+            if len(curve):
+                columns.append(np.interp(places, curve[:, 0], numbers, np.nan, np.nan))
+            else:
+                columns.append(np.full(len(places), np.nan))
+    return np.column_stack(columns)
+
+
+def widened(before: Range | None, values: npt.ArrayLike, step: float) -> Range | None:
+    """Return a range in round steps that holds all values, with room, and the range before.
+
+    NaN does not count; None if there is nothing but NaN.
+    """
+    finite = np.asarray(values)[np.isfinite(values)]
+    if not finite.size:
+        return before
+    room = 0.1 * step
+    low = step * math.floor((float(finite.min()) - room) / step)
+    high = step * math.ceil((float(finite.max()) + room) / step)
+    return (low, high) if before is None else (min(low, before[0]), max(high, before[1]))

@@ -10,7 +10,7 @@ import viser
 from viser import uplot
 
 from ..colours import HEAD_COLOURS
-from .history import Curve, Recent
+from .history import Curve, Range, Recent, side_by_side, widened
 from .newest import Facts, Floats, Values
 
 SPAN = 20.0  # s shown
@@ -19,7 +19,9 @@ FRESH = 0.08  # s between drawings of a plot
 DEGREES = (-180.0, 180.0, 1.0)
 TIME, COORDINATE = 'time', 'coordinate'
 HEIGHT = 120  # px
+ROUND = 10.0  # mm, to which the ends of a plot are rounded
 MILLIMETRES = 1e3
+NOTE = 'style="padding:0 0.9em;font-size:0.8em"'
 DASH = (6, 4)  # px, of the second muscle's lines
 
 
@@ -48,6 +50,9 @@ class Plots:
         self._lines = lines_of(muscles)
         self._place = gui.add_folder(None)
         self._plots: list[Any] = []
+        self._reach: list[Range | None] = [None, None]
+        if len(muscles) > 1:
+            gui.add_html(f'<div {NOTE}>dashed: {", ".join(name for name, _ in muscles[1:])}</div>')
         self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
         clear = gui.add_button('clear the plots')
         clear.on_click(self._clear)
@@ -62,10 +67,10 @@ class Plots:
                     (uplot.Series(label='x'), *self._lines),
                     height=HEIGHT,
                     legend=uplot.Legend(show=False),
-                    scales={'x': uplot.Scale(time=False)},
+                    scales=scales(reach),
                     axes=axes('', ''),
                 )
-                for each in data
+                for each, reach in zip(data, self._reach, strict=True)
             ]
 
     def _begin_anew(self) -> None:
@@ -84,8 +89,8 @@ class Plots:
         self._begin_anew()
 
     def add(self, now: float, newest: Sequence[Values]) -> None:
-        """Take in the newest state of each muscle."""
-        if not self._lines:
+        """Take in the newest state of each muscle; nothing if none has come yet."""
+        if not self._lines or not any(values.answered for values in newest):
             return
         self._begin = self._begin or now
         rows = []
@@ -93,7 +98,7 @@ class Plots:
             lengths, arms = numbers(facts, values)
             row = np.column_stack((lengths, arms)).ravel()  # length and three arms of each head
             rows.append(row)
-            if values.pose is not None:
+            if values.pose is not None and np.isfinite(row).all():
                 for curve, angle in zip(curves, np.degrees(values.pose).tolist(), strict=True):
                     curve.add(angle, row)
         self._recent.add(now - self._begin, np.concatenate(rows))
@@ -113,14 +118,21 @@ class Plots:
         data = [
             (table[:, 0], *np.ascontiguousarray(values[:, :, k].T)) for k in (0, 1 + coordinate)
         ]
+        if self._shown != (axis, coordinate):
+            self._reach = [None, None]
+        reach = [widened(old, each[1:], ROUND) for old, each in zip(self._reach, data, strict=True)]
+        wider, self._reach = reach != self._reach, reach
         if not self._plots:
             self._make(data)
+        elif wider:
+            for plot, each in zip(self._plots, reach, strict=True):
+                plot.scales = scales(each)
         if self._shown != (axis, coordinate):
             self._shown = axis, coordinate
             name = self._facts[0].coordinates[coordinate]
             across = 'time, s' if axis == TIME else f'{name}, deg'
             self._plots[0].axes = axes(across, 'length, mm')
-            self._plots[1].axes = axes(across, 'arm, mm')
+            self._plots[1].axes = axes(across, 'moment arm, mm')
         for plot, each in zip(self._plots, data, strict=True):
             plot.data = each
 
@@ -128,17 +140,7 @@ class Plots:
         """Return the rows to be drawn: x, then length and three arms of each head, mm."""
         if axis == TIME:
             return self._recent.last(SPAN)
-        parts, left = [], 0
-        width = 4 * sum(len(facts.heads) for facts in self._facts)
-        for curves in self._curves:
-            rows = curves[coordinate].known()
-            part = np.full((len(rows), 1 + width), np.nan)
-            part[:, 0] = rows[:, 0]
-            part[:, 1 + left : left + rows.shape[1]] = rows[:, 1:]
-            left += rows.shape[1] - 1
-            parts.append(part)
-        table = np.concatenate(parts)
-        return np.asarray(table[table[:, 0].argsort(kind='stable')])
+        return side_by_side([curves[coordinate].known() for curves in self._curves])
 
 
 def lines_of(muscles: Sequence[tuple[str, Facts]]) -> list[Any]:
@@ -154,6 +156,15 @@ def lines_of(muscles: Sequence[tuple[str, Facts]]) -> list[Any]:
                 line['dash'] = DASH
             lines.append(line)
     return lines
+
+
+def scales(reach: Range | None) -> dict[str, Any]:
+    """Return the scales of a plot.
+
+    Its range is given, as the library finds none where a line begins with NaN.
+    """
+    held = {} if reach is None else {'y': uplot.Scale(range=reach)}
+    return {'x': uplot.Scale(time=False), **held}
 
 
 def axes(across: str, up: str) -> tuple[Any, Any]:

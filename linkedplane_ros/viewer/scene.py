@@ -12,9 +12,8 @@ import viser
 from .geometry import Bodies, Bytes, Drawable, Lines, Sheets
 
 GREY = (128, 128, 128)
-AXES = 0.14  # m that the axes reach from the glenohumeral centre
+AXES = 0.09  # m that the axes reach from the glenohumeral centre
 APART = 0.17  # m from the middle of the body to a glenohumeral centre, as both_shoulders.launch.py
-FOV = 0.6  # rad, upright
 BEAD = 0.02  # m: what is smaller is drawn with few triangles
 BALL, SMALL_BALL = (trimesh.creation.icosphere(subdivisions=k, radius=0.5) for k in (3, 1))
 ROD = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=32)
@@ -31,18 +30,6 @@ def prepare(server: viser.ViserServer) -> None:
         scene.add_light_directional(
             f'/light/{name}', position=np.array(place), intensity=intensity, cast_shadow=False
         )
-    look_at(server, 1)
-
-
-def look_at(server: viser.ViserServer, muscles: int) -> None:
-    """Set the camera of browsers to come: one shoulder from its front and side, or both."""
-    camera = server.initial_camera
-    both = muscles > 1
-    camera.look_at = np.array((0.0, 0.0, -0.06) if both else (-0.01, 0.02, -0.06))
-    camera.position = np.array((0.1, 1.05, 0.22) if both else (0.48, 0.62, 0.14))
-    camera.up = np.array((0.0, 0.0, 1.0))
-    camera.fov = FOV
-    camera.near, camera.far = 0.01, 20.0
 
 
 class MuscleScene:
@@ -79,7 +66,7 @@ class MuscleScene:
         self._labels = [
             self._scene.add_line_segments(name, pieces, GREY, thickness=0.0012),
             *(
-                self._scene.add_label(f'{name}/{text}', text, position=end, font_screen_scale=0.9)
+                self._scene.add_label(f'{name}/{text}', text, position=end)
                 for text, end in ends.items()
             ),
         ]
