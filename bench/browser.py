@@ -28,6 +28,12 @@ LINES = """name => {
 PLOTS = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
   .map(each => Array.from(each.chart.data, column => Array.from(column)))"""
 
+MATRICES = """name => {
+  const {camera, nodeRefFromName} = window.__viserMutable;
+  const used = [camera.projectionMatrix, camera.matrixWorldInverse,
+    nodeRefFromName[name].matrixWorld];
+  return used.map(each => each.elements);
+}"""
 REACHES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
   .map(each => [each.chart.scales.y.min, each.chart.scales.y.max])"""
 
@@ -68,6 +74,14 @@ class Page:
         """Return the colours of the lines' ends, (m, 2, 3) in 0..1, linear in light."""
         script = f'name => Array.from(({LINES})(name).attributes.instanceColorStart.data.array)'
         return np.array(self.page.evaluate(script, name)).reshape(-1, 2, 3)
+
+    def places(self, points: np.ndarray, name: str = '/deltoid') -> np.ndarray:
+        """Return where points (k, 3), m, of a frame are seen: (k, 2), -1..1 from the left, up."""
+        project, see, put = (
+            np.array(each).reshape(4, 4).T for each in self.page.evaluate(MATRICES, name)
+        )
+        seen = np.column_stack((points, np.ones(len(points)))) @ (project @ see @ put).T
+        return np.asarray(seen[:, :2] / seen[:, 3:])
 
     def plots(self) -> list[np.ndarray]:
         """Return the columns of each plot that is to be seen, x first."""

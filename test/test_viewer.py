@@ -19,6 +19,7 @@ from browser import CHROMIUM, WINDOW, Page, browser, until
 from ros_harness import NodeProcess, Peer, together
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, MuscleState
+from linkedplane_ros.bones import shaft_axis
 from linkedplane_ros.colours import HEAD_COLOURS
 from linkedplane_ros.viewer import colour_map
 from linkedplane_ros.viewer.motions import poses
@@ -38,6 +39,7 @@ SOLVER = LinkedPlaneSolver(DELTOID)
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 DRAWN = 1e-7  # m: coordinates below 0.25 m in single precision
 HEADS = (1, 3, 7)
+TABLET = {'width': 768, 'height': 1024}
 
 
 class ViewerProcess(NodeProcess):
@@ -182,6 +184,26 @@ def test_bands_take_the_colour_of_their_moment_arm(stage: Stage) -> None:
     page.choose('moment arm', 'head')
 
 
+def test_all_of_the_muscle_is_in_the_picture_of_a_tablet_too_with_lateral_on_its_left(
+    stage: Stage,
+) -> None:
+    tablet = stage.chromium.new_context(viewport=TABLET, has_touch=True).new_page()
+    pages = [stage.page, Page(tablet, stage.viewer.url)]
+    centre = np.zeros(3)
+    for pose, angles in poses(THESIS).items():
+        stage.page.press(pose)
+        state = state_at(angles)
+        arm = np.vstack((*state.paths(16), shaft_axis(DELTOID) @ state.rotation.T))
+        for page in pages:
+            assert stage.shows(state, page)
+            assert until(lambda page=page, arm=arm: bool(np.abs(page.places(arm)).max() < 0.95))
+            middle, lateral, superior = page.places(np.array((centre, (0.1, 0, 0), (0, 0, 0.1))))
+            assert lateral[0] < middle[0]
+            assert superior[1] > middle[1]
+        assert np.ptp(stage.page.places(arm), axis=0).max() > 0.5  # of 2: not lost in the picture
+    tablet.close()
+
+
 def heads_seen(picture: bytes) -> bool:
     """Return whether a PNG has the colour of each head; the library's tone adds up to 15 of 255."""
     import imageio.v3
@@ -307,15 +329,24 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
     left = NodeProcess(
         stage.folder / 'left.log', '-r', '__ns:=/left', side='left', **{'markers.rate': 0.0}
     )
+    page = stage.page
     with left:
-        assert until(lambda: len(stage.page.lines('/left/deltoid/bands/lines')) > 0)
+        assert until(lambda: len(page.lines('/left/deltoid/bands/lines')) > 0)
         mirrored = LinkedPlaneSolver(DELTOID, 'left').solve(np.eye(3)).paths(16)
         wanted = np.concatenate([np.stack((p[:-1], p[1:]), axis=1) for p in mirrored])
-        np.testing.assert_allclose(
-            stage.page.lines('/left/deltoid/bands/lines'), wanted, rtol=0.0, atol=DRAWN
-        )
-        assert until(lambda: stage.page.page.get_by_text('dashed: left deltoid').count() > 0)
-        stage.page.choose('time', 'coordinate')
+        there = page.lines('/left/deltoid/bands/lines')
+        np.testing.assert_allclose(there, wanted, rtol=0.0, atol=DRAWN)
+
+        def as_one_stands_before_a_person() -> bool:
+            """Their right arm is on the left."""
+            right = page.places(page.lines().reshape(-1, 3))[:, 0]
+            return bool(
+                right.max() < page.places(there.reshape(-1, 3), '/left/deltoid')[:, 0].min()
+            )
+
+        assert until(as_one_stands_before_a_person)
+        assert until(lambda: page.page.get_by_text('dashed: left deltoid').count() > 0)
+        page.choose('time', 'coordinate')
         # the left arm has not been moved: a point of its curves, the right one's before and behind
-        assert until(lambda: len(stage.page.plots()) == 2 and len(stage.page.plots()[0]) == 7)
-        assert all_lines_are_seen(stage.page)
+        assert until(lambda: len(page.plots()) == 2 and len(page.plots()[0]) == 7)
+        assert all_lines_are_seen(page)

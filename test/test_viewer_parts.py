@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from threading import Event
 
 import numpy as np
@@ -20,6 +21,7 @@ from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.colours import head_colours
 from linkedplane_ros.markers import MuscleMarkers
 from linkedplane_ros.viewer import colour_map, motions, wire
+from linkedplane_ros.viewer.camera import view
 from linkedplane_ros.viewer.geometry import Bodies, Lines, Markers, Sheets, apply, drawables
 from linkedplane_ros.viewer.history import Curve, Recent, side_by_side, widened
 from linkedplane_ros.viewer.newest import Facts, Newest, Values
@@ -259,6 +261,26 @@ def test_a_plot_reaches_round_numbers_and_never_less_far_than_before() -> None:
     assert widened((80.0, 160.0), [120.0, 189.5], 10.0) == (80.0, 200.0)  # with room
     assert widened((80.0, 160.0), [np.nan], 10.0) == (80.0, 160.0)
     assert widened(None, [np.nan], 10.0) is None
+
+
+# Where it is seen from
+
+
+def test_a_left_shoulder_is_seen_from_the_mirrored_place_and_both_from_the_middle() -> None:
+    right, left = view(['right']), view(['left'])
+    assert left == replace(
+        right, place=(-right.place[0], *right.place[1:]), at=(-right.at[0], *right.at[1:])
+    )
+    assert right.place[0] > 0.0
+    assert view(['left', 'right']).place[0] == 0.0
+
+
+def test_a_narrow_picture_is_as_wide_as_the_view_needs_it_and_a_wide_one_no_farther() -> None:
+    chosen = view(['right'])
+    assert chosen.place_for(2.0) == pytest.approx(chosen.place)
+    away = np.subtract(chosen.place, chosen.at)
+    # half as wide at the same height: twice as far
+    np.testing.assert_allclose(chosen.place_for(0.5 * chosen.aspect) - chosen.at, 2.0 * away)
 
 
 # Motions
