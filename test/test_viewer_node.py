@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import sys
 from collections.abc import Iterator
 from threading import Event, Thread
 
 import numpy as np
 import pytest
+import rclpy
+from rclpy.context import Context
 from rclpy.parameter import Parameter
 from ros_harness import Peer, together
 
@@ -16,7 +19,7 @@ from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node import MuscleStatePublisher
 from linkedplane_ros.viewer.geometry import Lines, drawables
 from linkedplane_ros.viewer.geometry import apply as apply_markers
-from linkedplane_ros.viewer.main import PORT, arguments, free_port, where
+from linkedplane_ros.viewer.main import PORT, arguments, free_port, main, where
 from linkedplane_ros.viewer.newest import Facts, Values
 from linkedplane_ros.viewer.node import ViewerNode, muscles_among
 from linkedplane_ros.viewer.wire import markers
@@ -166,7 +169,28 @@ def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
         second.destroy_node()
 
 
+def test_a_reader_whose_ros_is_shut_down_ends_without_a_word() -> None:
+    context = Context()
+    rclpy.init(context=context)
+    viewer = ViewerNode(context=context)
+    asked = iter(range(5))
+
+    def going() -> bool:
+        if next(asked) == 2:
+            context.shutdown()
+        return True
+
+    viewer.spin(going)
+    assert next(asked) == 3  # it went on no longer
+
+
 # Arguments
+
+
+def test_a_missing_library_is_named_with_what_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, 'viser', None)
+    with pytest.raises(SystemExit, match=r"install 'linkedplane_ros\[viewer\]'"):
+        main(['muscle_viewer'])
 
 
 def test_it_listens_on_this_machine_alone_and_says_so() -> None:

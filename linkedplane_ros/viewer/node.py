@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import GetParameters
-from rclpy._rclpy_pybind11 import NodeNameNonExistentError
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -257,16 +257,19 @@ class ViewerNode(Node):
         The readers' queues are short, so what is not read in time is never read, and this thread
         is as idle at 1 kHz as at 60 Hz.
         """
-        executor = SingleThreadedExecutor()
-        executor.add_node(self)
-        with suppress(ExternalShutdownException):
+        try:
+            executor = SingleThreadedExecutor(context=self.context)
+            executor.add_node(self)
             while going():
                 executor.spin_once(timeout_sec=0.1)
                 if any(reader.waiting for reader in self.readers.values()):
                     begun = time.monotonic()
                     self._gather(executor)
                     time.sleep(max(begun + FRAME - time.monotonic(), 0.0))
-        executor.shutdown()
+            executor.shutdown()
+        except (ExternalShutdownException, RCLError):  # the end, at an inconvenient moment
+            if self.context.ok():
+                raise
 
     def _gather(self, executor: SingleThreadedExecutor) -> None:
         """Take all that there is of an answer; wait a little for the markers, its last."""
