@@ -134,6 +134,13 @@ class Page:
         with self._telling():
             self.page.mouse.click(track['x'] + part * track['width'], middle)
 
+    def type(self, slider: int, number: str) -> None:
+        """Type a number beside a slider, and leave it at that."""
+        box = self.page.locator('.mantine-NumberInput-root input').nth(slider)
+        with self._telling():
+            box.fill(number)
+        box.press('Tab')
+
     def angles(self) -> np.ndarray:
         """Return where the sliders stand, rad."""
         thumbs = self.page.locator('[role=slider]').all()

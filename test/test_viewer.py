@@ -116,6 +116,16 @@ def test_a_slider_moves_the_arm_and_the_scene_is_the_solvers_path(stage: Stage) 
     assert stage.shows(state_at(angles))
 
 
+def test_a_number_beyond_the_range_is_taken_as_its_end(stage: Stage) -> None:
+    stage.page.press('neutral')
+    assert stage.shows(state_at((0.0, 0.0, 0.0)))
+    stage.page.type(1, '999')
+    assert stage.shows(state_at((0.0, DELTOID.range_of_motion[1][1], 0.0)))
+    assert 'not used' not in stage.node.text  # 999 deg would have been refused
+    stage.page.type(1, '30')
+    assert stage.shows(state_at((0.0, np.radians(30.0), 0.0)))
+
+
 def test_the_plots_grow_by_the_lengths_and_arms_of_the_heads(stage: Stage) -> None:
     page = stage.page
     assert until(lambda: len(page.plots()) == 2)
@@ -288,9 +298,11 @@ def test_a_second_browser_and_one_that_comes_back_see_the_same(stage: Stage) -> 
 
 def test_a_node_that_dies_and_comes_back_is_moved_again(stage: Stage) -> None:
     stage.node.stop(signal.SIGKILL)
+    assert until(lambda: stage.page.page.get_by_text('the node does not answer').count() > 0)
     stage.node = NodeProcess(stage.folder / 'again.log', **{'markers.rate': 0.0})
     stage.page.slide(1, 20.0)
     assert stage.shows(state_at(stage.page.angles()))
+    assert until(lambda: stage.page.page.get_by_text('the node does not answer').count() == 0)
 
 
 def test_a_still_is_a_picture_of_the_scene(stage: Stage) -> None:

@@ -15,6 +15,7 @@ from .newest import Facts, Floats, Values
 SETTLED = 0.06  # s without a move after which the arm is at rest
 HEARTBEAT = 1.0  # s between joint states at rest: a node that comes back learns the pose from them
 SHOWN = 0.05  # s between moves of the sliders by something else than a hand
+SILENT = 3.0  # s without an answer after which a node that was told something is taken for dead
 UNDECIDED = 1.5  # s in which other publishers are found, before the arm is moved or followed
 STEP = 0.5  # deg
 
@@ -39,6 +40,7 @@ class MusclePanel:
         self._arm = Arm()
         self._begun = time.monotonic()
         self._sent = self._shown = -np.inf
+        self._heard = self._begun
         self._resting = False
         self._decided = False
         self._newest = Values()
@@ -63,7 +65,9 @@ class MusclePanel:
         if event.client is None or self._follow.value:
             return
         now = time.monotonic()
-        angles = np.radians([slider.value for slider in self._sliders])
+        # a number that is being typed may be beyond the range for a moment
+        low, high = self._ranges.T
+        angles = np.radians(np.clip([slider.value for slider in self._sliders], low, high))
         self._send(self._arm.drag(angles, now), now)
         self._take_over()
 
@@ -110,8 +114,11 @@ class MusclePanel:
     def tick(self, newest: Values) -> None:
         """Go on: to be called for each frame, with the newest state."""
         now = time.monotonic()
+        if newest.answered != self._newest.answered:
+            self._heard = now
         self._newest = newest
-        self._status.content = status(newest, self._follow.value)
+        silent = self._sent > self._heard and now > self._heard + SILENT
+        self._status.content = status(newest, self._follow.value, silent)
         if not self._decided:
             if now < self._begun + UNDECIDED and not newest.rivals:
                 return
@@ -140,13 +147,15 @@ class MusclePanel:
             slider.value = value
 
 
-def status(newest: Values, following: bool) -> str:
+def status(newest: Values, following: bool, silent: bool) -> str:
     """Return a line on what is to be known of the node, or nothing, as HTML."""
     line = ''
     if not newest.present:
         line = 'the node is gone: its last state stays'
     elif newest.lengths is None:
         line = 'no joint state has been answered so far'
+    elif silent and not following:
+        line = 'the node does not answer: its last state stays'
     elif newest.rivals and not following:
         line = 'something else moves this arm, too: follow the stream?'
     return (

@@ -18,7 +18,8 @@ RATE = 60  # rows a second at most
 FRESH = 0.08  # s between drawings of a plot
 DEGREES = (-180.0, 180.0, 1.0)
 TIME, COORDINATE = 'time', 'coordinate'
-HEIGHT = 120  # px
+HEIGHT = 125  # px
+PADDING = (8, 24, 0, 0)  # px, from the top clockwise
 ROUND = 10.0  # mm, to which the ends of a plot are rounded
 MILLIMETRES = 1e3
 NOTE = 'style="padding:0 0.9em;font-size:0.8em"'
@@ -69,6 +70,7 @@ class Plots:
                     legend=uplot.Legend(show=False),
                     scales=scales(reach),
                     axes=axes('', ''),
+                    padding=PADDING,
                 )
                 for each, reach in zip(data, self._reach, strict=True)
             ]
@@ -169,7 +171,7 @@ def scales(reach: Range | None) -> dict[str, Any]:
 
 def axes(across: str, up: str) -> tuple[Any, Any]:
     """Return the axes of a plot with their labels."""
-    look = {'labelSize': 16, 'labelFont': '11px sans-serif', 'font': '11px sans-serif'}
+    look = {'labelSize': 16, 'labelFont': '10px sans-serif', 'font': '11px sans-serif'}
     return (
         uplot.Axis(label=across, size=26, **look),
         uplot.Axis(label=up, size=38, **look),
