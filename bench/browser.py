@@ -35,7 +35,7 @@ MATRICES = """name => {
   return used.map(each => each.elements);
 }"""
 REACHES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
-  .map(each => [each.chart.scales.y.min, each.chart.scales.y.max])"""
+  .map(({chart: {scales: {x, y}}}) => [x.min, x.max, y.min, y.max])"""
 
 
 class Page:
@@ -88,15 +88,15 @@ class Page:
         return [np.array(columns, dtype=float) for columns in self.page.evaluate(PLOTS)]
 
     def reaches(self) -> np.ndarray:
-        """Return the lowest and highest number that each plot has room for."""
-        return np.array(self.page.evaluate(REACHES), dtype=float).reshape(-1, 2)
+        """Return from where to where each plot reaches: across, then up (k, 4)."""
+        return np.array(self.page.evaluate(REACHES), dtype=float).reshape(-1, 4)
 
     def frames(self) -> int:
         """Return how often the scene was drawn."""
         return int(self.page.evaluate('window.__viserTestpoints.rendererInfo.render.frame'))
 
     @contextmanager
-    def _telling(self) -> Iterator[None]:
+    def telling(self) -> Iterator[None]:
         """Wait until what is done here is sent: the library keeps but the last change of 50 ms."""
         before = self._told
         yield
@@ -105,7 +105,7 @@ class Page:
 
     def press(self, text: str) -> None:
         """Press a button; a slow machine is not asked to hold still for it."""
-        with self._telling():
+        with self.telling():
             self.turn_to(text)
 
     def turn_to(self, text: str) -> None:
@@ -115,13 +115,13 @@ class Page:
     def tick(self, label: str) -> None:
         """Press the checkbox beside a label."""
         row = self.page.get_by_text(label, exact=True).first
-        with self._telling():
+        with self.telling():
             row.locator('xpath=following::input[@type="checkbox"][1]').dispatch_event('click')
 
     def choose(self, chosen: str, other: str) -> None:
         """Choose something else where something is chosen."""
         self.page.locator(f'input[value="{chosen}"]').first.dispatch_event('click')
-        with self._telling():
+        with self.telling():
             self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
 
     def slide(self, slider: int, degrees: float) -> None:
@@ -131,15 +131,15 @@ class Page:
         track = self.page.locator('.mantine-Slider-track').nth(slider).bounding_box()
         part = (degrees - low) / (high - low)
         middle = track['y'] + 0.5 * track['height']
-        with self._telling():
+        with self.telling():
             self.page.mouse.click(track['x'] + part * track['width'], middle)
 
     def type(self, slider: int, number: str) -> None:
         """Type a number beside a slider, and leave it at that."""
         box = self.page.locator('.mantine-NumberInput-root input').nth(slider)
-        with self._telling():
+        with self.telling():
             box.fill(number)
-        box.press('Tab')
+        box.blur()
 
     def angles(self) -> np.ndarray:
         """Return where the sliders stand, rad."""

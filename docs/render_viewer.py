@@ -12,7 +12,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +24,8 @@ import numpy as np  # noqa: E402
 from browser import WINDOW, Page, browser, until  # noqa: E402
 from PIL import Image  # noqa: E402
 
+CONNECTED = '.tabler-icon-cloud-check'
+DETAILS = ('obstacle spheres', 'interference spheres', 'band planes')
 FRAMES, STEP = 48, 80  # of the animation, ms
 SMALL = (720, 405)  # px
 MODULE = [sys.executable, '-m']
@@ -54,28 +55,32 @@ def viewer() -> Iterator[str]:
         process.wait(20.0)
 
 
-def settled(page: Page) -> None:
-    """Wait until neither the scene nor the plots change any more."""
-    before: list[bytes] = []
+def settled(page: Page) -> bytes:
+    """Wait until the page is connected and does not change any more; return its picture, a PNG."""
+    before = b''
 
     def same() -> bool:
-        before.append(page.page.screenshot())
-        page.page.wait_for_timeout(700.0)
-        return len(before) > 1 and before[-1] == before[-2]
+        nonlocal before
+        last, before = before, page.page.screenshot()
+        return before == last and page.page.locator(CONNECTED).count() == 1
 
-    until(same, 30.0)
+    # between two of the viewer's signs of life, which move the plots on
+    if not until(same, wait=lambda _: page.page.wait_for_timeout(400.0)):
+        raise TimeoutError('the page did not come to rest')
+    return before
 
 
-def at(page: Page, degrees: tuple[float, ...]) -> bool:
-    """Wait until the sliders stand there; return whether they do."""
-    return until(lambda: np.allclose(np.degrees(page.angles()), degrees, atol=0.1))
+def at(page: Page, degrees: tuple[float, ...]) -> None:
+    """Wait until the sliders stand there."""
+    if not until(lambda: np.allclose(np.degrees(page.angles()), degrees, atol=0.1)):
+        raise TimeoutError(f'the sliders did not come to {degrees}')
 
 
 def still(page: Page, name: str) -> None:
     """Save the page as it is."""
-    settled(page)
     path = HERE / f'viewer_{name}.png'
-    Image.open(io.BytesIO(page.page.screenshot())).convert('RGB').save(path, optimize=True)
+    picture = Image.open(io.BytesIO(settled(page))).convert('RGB')
+    picture.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
     print(path, path.stat().st_size)
 
 
@@ -88,12 +93,17 @@ def quiet(page: Page) -> None:
 
 
 def stills(page: Page) -> None:
-    """Take the four poses, each with something else to be seen."""
+    """Take three poses, each with something else to be seen."""
+    page.press('abduction 90')
+    at(page, (0.0, 90.0, 0.0))
+    page.press('neutral')
+    at(page, (0.0, 0.0, 0.0))
     still(page, 'neutral')
-    page.press('play a sweep')
     page.choose('time', 'coordinate')
     page.choose('head', 'moment arm')
-    time.sleep(25.0)
+    page.press('play a sweep')
+    for low_and_high in (-39.0, 119.0, -39.0):
+        until(lambda end=low_and_high: (np.degrees(page.angles()[0]) - end) * end > 0.0)
     page.press('flexion 80')
     at(page, (80.0, 0.0, 0.0))
     still(page, 'flexion')
@@ -101,12 +111,12 @@ def stills(page: Page) -> None:
     page.press('abduction 90')
     at(page, (0.0, 90.0, 0.0))
     page.turn_to('look')
-    for label in ('obstacle spheres', 'interference spheres', 'band planes'):
+    for label in DETAILS:
         page.tick(label)
     page.turn_to('bands')
     still(page, 'abduction')
     page.turn_to('look')
-    for label in ('obstacle spheres', 'interference spheres', 'band planes'):
+    for label in DETAILS:
         page.tick(label)
 
 
@@ -116,15 +126,16 @@ def animation(page: Page) -> None:
     at(page, (0.0, 0.0, 0.0))
     page.turn_to('plots')
     page.choose('flexion', 'abduction')
-    page.choose('coordinate', 'time')
     page.press('clear the plots')
-    page.choose('time', 'coordinate')
+    for first in ('1', '0'):  # a plot is there from its second point on
+        page.type(1, first)
+        at(page, (0.0, float(first), 0.0))
     frames: list[Any] = []
     for k in range(FRAMES):
         elevation = 55.0 * (1.0 - np.cos(2.0 * np.pi * k / FRAMES))
-        page.slide(1, elevation)
-        page.page.wait_for_timeout(400.0)
-        picture = Image.open(io.BytesIO(page.page.screenshot())).convert('RGB')
+        page.type(1, f'{elevation:.1f}')
+        at(page, (0.0, elevation, 0.0))
+        picture = Image.open(io.BytesIO(settled(page))).convert('RGB')
         frames.append(picture.resize(SMALL, Image.Resampling.LANCZOS))
     palette = frames[FRAMES // 2].quantize(256, Image.Quantize.MEDIANCUT, kmeans=2)
     small = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
@@ -147,8 +158,8 @@ def both(page: Page, chromium: Any, url: str) -> None:
         fresh.turn_to('plots')
         fresh.press('scaption 60')
         fresh.turn_to('left deltoid')
-        fresh.page.get_by_text('abduction 90', exact=True).last.click(force=True)
-        time.sleep(6.0)
+        with fresh.telling():
+            fresh.page.get_by_text('abduction 90', exact=True).last.click(force=True)
         still(fresh, 'scaption')
     finally:
         left.send_signal(signal.SIGINT)

@@ -152,8 +152,10 @@ def all_lines_are_seen(page: Page) -> bool:
     def room() -> bool:
         found = zip(page.plots(), page.reaches(), strict=True)
         return all(
-            low < np.nanmin(columns[1:]) and np.nanmax(columns[1:]) < high
-            for columns, (low, high) in found
+            (first, last) == (columns[0][0], columns[0][-1])
+            and low < np.nanmin(columns[1:])
+            and np.nanmax(columns[1:]) < high
+            for columns, (first, last, low, high) in found
         )
 
     return until(room)

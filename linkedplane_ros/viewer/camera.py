@@ -36,7 +36,7 @@ class View:
 def view(sides: Sequence[str]) -> View:
     """Return the view of one shoulder from its front and side, or of several from the front."""
     if len(sides) > 1:
-        return View((0.0, 0.95, 0.2), (0.0, 0.02, -0.07), 1.33)
+        return View((0.0, 0.95, 0.2), (0.0, 0.02, -0.07), 1.45)
     lateral = -1.0 if 'left' in sides else 1.0
     return View((lateral * 0.455, 0.485, 0.13), (lateral * 0.03, 0.025, -0.065), 1.05)
 

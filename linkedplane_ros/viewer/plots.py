@@ -20,7 +20,8 @@ DEGREES = (-180.0, 180.0, 1.0)
 TIME, COORDINATE = 'time', 'coordinate'
 HEIGHT = 125  # px
 PADDING = (8, 24, 0, 0)  # px, from the top clockwise
-ROUND = 10.0  # mm, to which the ends of a plot are rounded
+UP = ('length, mm', 'moment arm, mm')
+ROUND = 20.0  # mm, to which the ends of a plot are rounded
 MILLIMETRES = 1e3
 NOTE = 'style="padding:0 0.9em;font-size:0.8em"'
 DASH = (6, 4)  # px, of the second muscle's lines
@@ -59,8 +60,14 @@ class Plots:
         clear.on_click(self._clear)
         self._begin_anew()
 
-    def _make(self, data: Sequence[tuple[Floats, ...]]) -> None:
-        """Add the plots, with the first of their data."""
+    def _make(self, data: Sequence[tuple[Floats, ...]], across: str) -> None:
+        """Add the plots, with the first of their data.
+
+        New ones where there were others: the library loses the range of time when it is given
+        other axes or scales.
+        """
+        for plot in self._plots:
+            plot.remove()
         with self._place:
             self._plots = [
                 self._gui.add_uplot(
@@ -69,10 +76,10 @@ class Plots:
                     height=HEIGHT,
                     legend=uplot.Legend(show=False),
                     scales=scales(reach),
-                    axes=axes('', ''),
+                    axes=axes(across, up),
                     padding=PADDING,
                 )
-                for each, reach in zip(data, self._reach, strict=True)
+                for each, reach, up in zip(data, self._reach, UP, strict=True)
             ]
 
     def _begin_anew(self) -> None:
@@ -120,23 +127,15 @@ class Plots:
         data = [
             (table[:, 0], *np.ascontiguousarray(values[:, :, k].T)) for k in (0, 1 + coordinate)
         ]
-        if self._shown != (axis, coordinate):
-            self._reach = [None, None]
-        reach = [widened(old, each[1:], ROUND) for old, each in zip(self._reach, data, strict=True)]
-        wider, self._reach = reach != self._reach, reach
-        if not self._plots:
-            self._make(data)
-        elif wider:
-            for plot, each in zip(self._plots, reach, strict=True):
-                plot.scales = scales(each)
-        if self._shown != (axis, coordinate):
-            self._shown = axis, coordinate
+        before = self._reach if self._shown == (axis, coordinate) else [None, None]
+        reach = [widened(old, each[1:], ROUND) for old, each in zip(before, data, strict=True)]
+        if not self._plots or reach != before:
+            self._reach, self._shown = reach, (axis, coordinate)
             name = self._facts[0].coordinates[coordinate]
-            across = 'time, s' if axis == TIME else f'{name}, deg'
-            self._plots[0].axes = axes(across, 'length, mm')
-            self._plots[1].axes = axes(across, 'moment arm, mm')
-        for plot, each in zip(self._plots, data, strict=True):
-            plot.data = each
+            self._make(data, 'time, s' if axis == TIME else f'{name}, deg')
+        else:
+            for plot, each in zip(self._plots, data, strict=True):
+                plot.data = each
 
     def _table(self, axis: str, coordinate: int) -> Floats:
         """Return the rows to be drawn: x, then length and three arms of each head, mm."""
