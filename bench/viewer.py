@@ -25,12 +25,13 @@ WATCH = f"""() => {{
   const find = {LINES}, name = '/deltoid/bands/lines';
   const node = () => window.__viserMutable.nodeRefFromName[name];
   const before = find(name);
+  let done = false;  // a hook of an earlier press is still there
   window.taken = null;
   addEventListener('pointerdown', event => {{
     const hook = () => node().traverse(each => {{
       each.onAfterRender = (renderer, scene, camera, geometry) => {{
-        if (geometry === before || !geometry.attributes.instanceStart || window.taken) return;
-        window.taken = 'drawn';
+        if (done || geometry === before || !geometry.attributes.instanceStart) return;
+        done = true;
         queueMicrotask(() => {{
           renderer.getContext().readPixels(0, 0, 1, 1, 6408, 5121, new Uint8Array(4));
           window.taken = performance.now() - event.timeStamp;
@@ -39,7 +40,7 @@ WATCH = f"""() => {{
     }});
     const tick = () => {{
       hook();
-      if (window.taken === null) requestAnimationFrame(tick);
+      if (!done) requestAnimationFrame(tick);
     }};
     tick();
   }}, {{capture: true, once: true}});
