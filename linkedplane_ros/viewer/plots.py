@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,6 +22,7 @@ TIME, COORDINATE = 'time', 'coordinate'
 HEIGHT = 125  # px
 PADDING = (8, 24, 0, 0)  # px, from the top clockwise
 UP = ('length, mm', 'moment arm, mm')
+RETIRED = 5.0  # s that a plot is hidden before it is removed
 ROUND = 20.0  # mm, to which the ends of a plot are rounded
 MILLIMETRES = 1e3
 NOTE = 'style="padding:0 0.9em;font-size:0.8em"'
@@ -52,6 +54,7 @@ class Plots:
         self._lines = lines_of(muscles)
         self._place = gui.add_folder(None)
         self._plots: list[Any] = []
+        self._retired: list[tuple[float, Any]] = []
         self._reach: list[Range | None] = [None, None]
         if len(muscles) > 1:
             gui.add_html(f'<div {NOTE}>dashed: {", ".join(name for name, _ in muscles[1:])}</div>')
@@ -66,8 +69,7 @@ class Plots:
         New ones where there were others: the library loses the range of time when it is given
         other axes or scales.
         """
-        for plot in self._plots:
-            plot.remove()
+        self._retire()
         with self._place:
             self._plots = [
                 self._gui.add_uplot(
@@ -82,6 +84,19 @@ class Plots:
                 for each, reach, up in zip(data, self._reach, UP, strict=True)
             ]
 
+    def _retire(self) -> None:
+        """Hide the plots, and remove them later.
+
+        A browser complains of one that is given data and removed in the same frame.
+        """
+        now = time.monotonic()
+        for plot in self._plots:
+            plot.visible = False
+            self._retired.append((now, plot))
+        self._plots = []
+        while self._retired and self._retired[0][0] < now - RETIRED:
+            self._retired.pop(0)[1].remove()
+
     def _begin_anew(self) -> None:
         """Forget what there was."""
         count = sum(len(facts.heads) for facts in self._facts)
@@ -90,9 +105,7 @@ class Plots:
             [Curve(4 * len(facts.heads), *DEGREES) for _ in range(3)] for facts in self._facts
         ]
         self._shown: tuple[str, int] | None = None
-        for plot in self._plots:
-            plot.remove()
-        self._plots = []
+        self._retire()
 
     async def _clear(self, _: Any) -> None:
         self._begin_anew()
