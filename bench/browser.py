@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+UNIT = 10.0  # units of the viewer's scene in a metre
 PATIENCE = 60.0  # s: the longest that anything is waited for
 CHROMIUM = shutil.which('chromium')
 # drawn in software: slow, but the same everywhere
@@ -68,7 +69,7 @@ class Page:
     def lines(self, name: str = '/deltoid/bands/lines') -> np.ndarray:
         """Return what the scene holds of lines: (m, 2, 3), m; none where they are not there."""
         script = f'name => Array.from(({LINES})(name)?.attributes.instanceStart.data.array ?? [])'
-        return np.array(self.page.evaluate(script, name)).reshape(-1, 2, 3)
+        return np.array(self.page.evaluate(script, name)).reshape(-1, 2, 3) / UNIT
 
     def colours(self, name: str = '/deltoid/bands/lines') -> np.ndarray:
         """Return the colours of the lines' ends, (m, 2, 3) in 0..1, linear in light."""
@@ -80,7 +81,7 @@ class Page:
         project, see, put = (
             np.array(each).reshape(4, 4).T for each in self.page.evaluate(MATRICES, name)
         )
-        seen = np.column_stack((points, np.ones(len(points)))) @ (project @ see @ put).T
+        seen = np.column_stack((UNIT * points, np.ones(len(points)))) @ (project @ see @ put).T
         return np.asarray(seen[:, :2] / seen[:, 3:])
 
     def plots(self) -> list[np.ndarray]:

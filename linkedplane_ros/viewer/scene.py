@@ -9,11 +9,13 @@ import numpy as np
 import trimesh
 import viser
 
+from .camera import UNIT
 from .geometry import Bodies, Bytes, Drawable, Lines, Sheets
 
 GREY = (128, 128, 128)
 AXES = 0.09  # m that the axes reach from the glenohumeral centre
 APART = 0.17  # m from the middle of the body to a glenohumeral centre, as both_shoulders.launch.py
+THIN = 0.0012  # m, of the axes
 BEAD = 0.02  # m: what is smaller is drawn with few triangles
 BALL, SMALL_BALL = (trimesh.creation.icosphere(subdivisions=k, radius=0.5) for k in (3, 1))
 ROD = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=32)
@@ -47,7 +49,7 @@ class MuscleScene:
     def settle(self, side: str, muscles: int) -> None:
         """Stand where the shoulder of that side is, or in the middle if it is alone."""
         away = APART if side == 'right' else -APART
-        self._place.position = (away if muscles > 1 else 0.0, 0.0, 0.0)
+        self._place.position = (UNIT * away if muscles > 1 else 0.0, 0.0, 0.0)
         if side != self._side:
             self._side = side
             self._name_axes(1.0 if side == 'right' else -1.0)
@@ -57,14 +59,14 @@ class MuscleScene:
         for label in self._labels:
             label.remove()
         ends = {
-            'lateral': (lateral * AXES, 0.0, 0.0),
-            'anterior': (0.0, AXES, 0.0),
-            'superior': (0.0, 0.0, AXES),
+            'lateral': (lateral * UNIT * AXES, 0.0, 0.0),
+            'anterior': (0.0, UNIT * AXES, 0.0),
+            'superior': (0.0, 0.0, UNIT * AXES),
         }
         pieces = np.array([((0.0, 0.0, 0.0), end) for end in ends.values()])
         name = f'{self._prefix}/axes'
         self._labels = [
-            self._scene.add_line_segments(name, pieces, GREY, thickness=0.0012),
+            self._scene.add_line_segments(name, pieces, GREY, thickness=UNIT * THIN),
             *(
                 self._scene.add_label(f'{name}/{text}', text, position=end)
                 for text, end in ends.items()
@@ -94,7 +96,10 @@ class MuscleScene:
         path = f'{self._prefix}/{name}'
         if isinstance(drawable, Lines):
             return self._scene.add_line_segments(
-                path, drawable.points, linear(drawable.colours), thickness=drawable.width
+                path,
+                UNIT * drawable.points,
+                linear(drawable.colours),
+                thickness=UNIT * drawable.width,
             )
         if isinstance(drawable, Bodies):
             ball = BALL if drawable.sizes.max() > BEAD else SMALL_BALL
@@ -104,8 +109,8 @@ class MuscleScene:
                 mesh.vertices,
                 mesh.faces,
                 drawable.turns,
-                drawable.positions,
-                batched_scales=drawable.sizes,
+                UNIT * drawable.positions,
+                batched_scales=UNIT * drawable.sizes,
                 batched_colors=linear(drawable.colours),
                 opacity=opacity(drawable),
                 lod='off',
@@ -114,7 +119,7 @@ class MuscleScene:
             )
         return self._scene.add_mesh_simple(
             path,
-            drawable.points,
+            UNIT * drawable.points,
             np.arange(len(drawable.points)).reshape(-1, 3),
             color=drawable.colour,
             opacity=opacity(drawable),
@@ -140,13 +145,13 @@ def opacity(drawable: Bodies | Sheets) -> float | None:
 def update(handle: Any, drawable: Drawable) -> None:
     """Change a thing of the scene; the library sends only what is different."""
     if isinstance(drawable, Lines):
-        handle.points, handle.colors = drawable.points, linear(drawable.colours)
-        handle.thickness = drawable.width
+        handle.points, handle.colors = UNIT * drawable.points, linear(drawable.colours)
+        handle.thickness = UNIT * drawable.width
     elif isinstance(drawable, Bodies):
-        handle.batched_positions, handle.batched_wxyzs = drawable.positions, drawable.turns
-        handle.batched_scales = drawable.sizes
+        handle.batched_positions, handle.batched_wxyzs = UNIT * drawable.positions, drawable.turns
+        handle.batched_scales = UNIT * drawable.sizes
         handle.batched_colors = linear(drawable.colours)
     else:
-        handle.vertices = drawable.points
+        handle.vertices = UNIT * drawable.points
         if len(handle.faces) != len(drawable.points) // 3:
             handle.faces = np.arange(len(drawable.points)).reshape(-1, 3)
