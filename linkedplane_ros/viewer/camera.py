@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import viser
+
+if TYPE_CHECKING:
+    import viser
 
 Floats = npt.NDArray[np.float64]
 
