@@ -36,7 +36,7 @@ setup(
     name=package_name,
     version='0.1.0',
     packages=find_packages(include=[package_name, package_name + '.*']),
-    package_data={package_name: ['literature/*', 'models/*.yaml', 'models/*.json']},
+    package_data={package_name: ['literature/*', 'models/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         (share, ['package.xml']),

@@ -28,7 +28,7 @@ def ways(muscle: BroadMuscle, count: int, steps: int) -> np.ndarray:
 
 
 def test_there_are_these() -> None:
-    assert set(bundled_models()) == {'deltoid', *EXAMPLES}
+    assert set(bundled_models()) == {'deltoid', 'deltoid_ackland2008', *EXAMPLES}
 
 
 @pytest.mark.parametrize('name', EXAMPLES)

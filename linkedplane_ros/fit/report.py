@@ -108,9 +108,10 @@ def _what(outcome: Outcome) -> Iterator[str]:
         f'* Data: `{outcome.data.path.name}`, {len(outcome.data.measurements)} rows; '
         f'{outcome.data.reading}'
     )
+    taken = ' (poses taken in on the way left out)' if len(one.rotations) > one.measured else ''
     yield (
-        f'* Criterion (thesis eq. 5.7): {values[0]:,.1f} mm² before, {values[1]:,.1f} mm² after; '
-        f'weights: length {weights.length:g}, moment arm {weights.arm:g}, interference '
+        f'* Criterion (thesis eq. 5.7){taken}: {values[0]:,.1f} mm² before, {values[1]:,.1f} mm² '
+        f'after; weights: length {weights.length:g}, moment arm {weights.arm:g}, interference '
         f'{weights.interference:g}, order {weights.order:g}, jumps {weights.jumps:g}'
     )
     if weights.arm_scale != 1.0:
