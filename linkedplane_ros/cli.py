@@ -50,7 +50,9 @@ def plain(argument: str) -> str:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    options = parser().parse_args([plain(arg) for arg in (sys.argv[1:] if args is None else args)])
+    words = [plain(arg) for arg in (sys.argv[1:] if args is None else args)]
+    options = parser().parse_args(words)
+    options.words = words
     try:
         options.run(options)
         sys.stdout.flush()

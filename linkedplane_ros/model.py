@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from importlib import resources
@@ -210,7 +212,8 @@ class BroadMuscle:
     def to_yaml(self, path: str | Path) -> None:
         """Write the muscle as a .yaml file; `load` gives an equal muscle back, to the bit.
 
-        Raises ModelError where `load` would refuse the file, and where it cannot be written.
+        A file that is there is replaced when the new one is complete. Raises ModelError where
+        `load` would refuse the file, and where it cannot be written.
         """
         path = Path(path)
         if path.suffix not in ('.yaml', '.yml'):
@@ -218,10 +221,15 @@ class BroadMuscle:
         text = model_writing.written(self.definition)
         if model_file.read(str(path), text) != self.definition:
             raise ModelError(f'{path}: not written: a name or text would be read otherwise')
+        part = path.with_name(f'.{path.name}.{os.getpid()}.part')
         try:
-            path.write_text(text, encoding='utf-8')
+            part.write_text(text, encoding='utf-8')
+            os.replace(part, path)
         except OSError as error:
             raise ModelError(f'{path}: cannot be written: {error.strerror}') from None
+        finally:
+            with suppress(OSError):  # where there is nothing to remove
+                part.unlink()
 
     def outside(self, rotations: Floats) -> int:
         """Return how many of the rotations (m, 3, 3) lie outside the range of motion.

@@ -103,7 +103,7 @@ def test_a_fit_that_was_interrupted_is_taken_up(
         (['--free', 'sphere.rad'], "free: 'sphere.rad' is nothing of deltoid; it has"),
         (['--bound', 'sphere.radius'], "bound 'sphere.radius': PATTERN=LOW:HIGH"),
         (['--bound', 'origin=+-1'], "bound: 'origin' is none of what is free"),
-        (['--tighten', '2', '4'], 'tighten: [2.0, 4.0] given; ever smaller depths expected'),
+        (['--tighten', '2', '4'], 'tighten: 2 4, then clearance 0; ever smaller depths expected'),
         (['--resume'], 'fitted.checkpoint: cannot be read: No such file'),
     ],
 )

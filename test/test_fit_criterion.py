@@ -198,9 +198,9 @@ def test_the_grid_has_the_ends_of_the_ranges_and_no_longer_steps() -> None:
     assert rotations.shape == (14, 3, 3)
 
 
-def test_a_band_that_turns_over_the_one_before_it_is_out_of_order() -> None:
-    # the deltoid's own order at neutral; bands named the other way round lie the other way round
-    flipped = replace(
+def backwards() -> BroadMuscle:
+    """Return the deltoid's bands, arm at the side, numbered from the back to the front."""
+    return replace(
         DELTOID,
         **{
             name: getattr(DELTOID, name)[::-1]
@@ -208,14 +208,16 @@ def test_a_band_that_turns_over_the_one_before_it_is_out_of_order() -> None:
         },
         plane_angles=-np.roll(DELTOID.plane_angles[::-1], 1),
     )
-    found = []
-    for muscle in (DELTOID, flipped):
+
+
+def test_a_band_that_turns_over_the_one_before_it_is_out_of_order() -> None:
+    for muscle, side in ((DELTOID, 1.0), (backwards(), -1.0)):
         parameters = space(muscle.definition, ['sphere.radius'])
         one = Measurement('', 0, 'flexion', (0.0,), 0.15, 0.0)
         criterion = Criterion.of(muscle, parameters, Data(Path('x'), (one,), 1.0, None))
-        states = criterion.states(parameters.start)
-        assert isinstance(states, States)
-        assert not (states.wrap == WrapState.INSIDE).any()
-        found.append(states.gaps[0])
-    assert (found[0] > 0.0).all()
-    assert (found[1] < 0.0).all()
+        assert criterion.side == side  # as the bands of the model that is fitted are numbered
+        for of, sign in ((criterion, 1.0), (replace(criterion, side=-side), -1.0)):
+            states = of.states(parameters.start)
+            assert isinstance(states, States)
+            assert not (states.wrap == WrapState.INSIDE).any()
+            assert (sign * states.gaps[0] > 0.0).all()

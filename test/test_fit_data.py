@@ -120,4 +120,35 @@ def test_what_is_wrong_with_a_table_is_told_in_one_line(
 
 def test_a_step_that_no_curve_reaches_is_a_fault(tmp_path: Path) -> None:
     text = BY_MOTION + 'flexion,1,middle,150,,1\nflexion,9,middle,150,,1\n'
-    assert 'no curve has an angle' in fault(tmp_path, text, step=math.radians(10.0))
+    said = ': flexion, middle: no multiple of 10 deg between 1 and 9 deg'
+    assert fault(tmp_path, text, step=math.radians(10.0)) == said
+
+
+def test_lengths_and_moment_arms_are_each_stepped_between_their_own_rows(tmp_path: Path) -> None:
+    rows = ('0,,20', '2,150,', '18,134,', '25,,45')
+    text = BY_MOTION + ''.join(
+        f'flexion,{q},middle,{v},1\n' for q, v in (r.split(',', 1) for r in rows)
+    )
+    found = data(tmp_path, text, step=math.radians(10.0)).measurements
+    assert [round(math.degrees(row.angle)) for row in found] == [0, 10, 20]
+    assert [1e3 * row.length for row in found] == pytest.approx(
+        [math.nan, 142.0, math.nan], nan_ok=True
+    )
+    assert [1e3 * row.arm for row in found] == pytest.approx([20.0, 30.0, 40.0])
+
+
+def test_of_two_rows_at_an_angle_no_curve_is_made(tmp_path: Path) -> None:
+    text = BY_MOTION + 'flexion,0,middle,,20,1\nflexion,20,middle,,24,1\nflexion,0,middle,,40,1\n'
+    assert len(data(tmp_path, text).measurements) == 3
+    said = ': flexion, middle: two rows at 0 deg; a curve, to be taken at steps, has one'
+    assert fault(tmp_path, text, step=math.radians(10.0)) == said
+
+
+@pytest.mark.parametrize('how', [{'step': math.radians(10.0)}, {'angle_scale': 0.5}])
+def test_poses_are_neither_scaled_nor_stepped(tmp_path: Path, how: dict[str, float]) -> None:
+    text = (
+        'about,flexion_deg,abduction_deg,rotation_deg,band,moment_arm_mm\nflexion,10,0,0,middle,5\n'
+    )
+    said = ': has poses; only angles of a motion are scaled or stepped'
+    assert fault(tmp_path, text, **how) == said
+    assert data(tmp_path, text).reading == 'angles in flexion_abduction_rotation'

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_fit_criterion import deepest
+from test_fit_criterion import backwards, deepest
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import grid
@@ -59,6 +59,14 @@ def test_bands_without_a_path_are_counted() -> None:
 def test_a_muscle_without_any_path_is_told_in_one_line() -> None:
     with pytest.raises(ValueError, match=r'^deltoid: a band has no path anywhere: an end lies'):
         over_range(moved(-0.04, 0.0, 0.0))
+
+
+def test_bands_may_be_numbered_backwards() -> None:
+    still = ((0.0, 0.0),) * 3
+    for muscle in (DELTOID, backwards()):
+        found = over_range(replace(muscle, range_of_motion=still), random=0, ways=0)
+        assert found.disordered == 0
+        assert found.gaps.min() > 5e-3  # m
 
 
 def test_without_a_range_of_its_own_a_model_is_looked_at_in_the_deltoids() -> None:

@@ -6,8 +6,6 @@ import argparse
 import math
 import shlex
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,13 +16,15 @@ from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
 from ..model_check import DEFAULT_RANGE
 from ..sections import Section
-from .values import counting, not_negative, positive
+from .values import counting, finite, not_negative, positive
 
 if TYPE_CHECKING:
     from ..fit.checkpoint import Checkpoint
     from ..fit.criterion import Criterion
     from ..fit.data import Data
+    from ..fit.files import Files
     from ..fit.fitting import Found, Plan, Progress, Search
+    from ..fit.over_range import OverRange
     from ..fit.report import Outcome
 
 KINDS = ('length', 'arm', 'interference', 'order', 'jumps')
@@ -103,7 +103,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         '--clearance',
-        type=float,
+        type=finite,
         default=0.0,
         metavar='MM',
         help='keep paths so far off the interference spheres; negative: let them in so far',
@@ -140,7 +140,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         type=whole,
         default=100,
         metavar='N',
-        help='steps of least squares after each swarm (default 100)',
+        help='steps of least squares of a polish (default 100); over the range a stage has up to '
+        '6, the last one up to 20',
     )
     add('--seed', type=whole, default=0, metavar='N', help='of all random numbers (default 0)')
     add(
@@ -158,20 +159,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> None:
     """Fit chosen coefficients of a model to measured lengths and moment arms."""
     from ..fit.checkpoint import Checkpoint
-    from ..fit.figure import draw, draw_trade_off
+    from ..fit.files import Files
     from ..fit.fitting import Plan, fingerprint
-    from ..fit.report import at_bounds, markdown
+    from ..fit.over_range import over_range
+    from ..fit.swarm import needed
 
-    out = Path(args.out)
-    if out.suffix not in ('.yaml', '.yml'):
-        raise ValueError(f'{out}: a model file ends in .yaml')
+    needed()
+    files = Files(Path(args.out), bool(args.tighten))
     muscle = BroadMuscle.load(args.model)
-    name = Section(str(out), '', {'name': args.name or out.stem}).token('name')
-    if args.tighten and not muscle.interference_names:
-        raise ValueError(f'tighten: {muscle.name} has no interference spheres')
-    if args.tighten != sorted(args.tighten, reverse=True):
-        raise ValueError(f'tighten: {args.tighten} given; ever smaller depths expected')
+    name = Section(args.out, '', {'name': args.name or files.model.stem}).token('name')
+    _check_depths(args, muscle)
     criterion, watch, data = _stated(args, muscle)
+    if isinstance(criterion.states(criterion.space.start), float):
+        raise ValueError(f'{args.model}: a band has no path anywhere: an end lies in its sphere')
+    before = over_range(muscle)
     plan = Plan(
         args.particles,
         args.generations,
@@ -181,22 +182,26 @@ def run(args: argparse.Namespace) -> None:
         tuple(1e-3 * depth for depth in args.tighten),
         args.seed,
     )
-    checkpoint = Checkpoint(out.with_suffix('.checkpoint'), fingerprint(criterion, plan, watch))
-    state = _begun(args, out, checkpoint)
+    checkpoint = Checkpoint(files.checkpoint, fingerprint(criterion, plan, watch))
+    state = _begun(args, files, checkpoint)
     found = _searched(criterion, plan, watch, args.jobs, checkpoint, state)
-    outcome = _outcome(name, muscle, data, criterion, found)
-    outcome.after.to_yaml(out)
-    picture, report = out.with_suffix('.png'), out.with_suffix('.md')
-    pictures = {'Measured and modelled': picture}
-    draw(outcome, picture)
-    if len(outcome.stages) > 1:
-        pictures['Deviation and interference'] = out.with_name(f'{out.stem}_trade_off.png')
-        draw_trade_off(outcome, pictures['Deviation and interference'])
-    names = {title: path.name for title, path in pictures.items()}
-    report.write_text(markdown(outcome, names), encoding='utf-8')
+    outcome = _outcome(args, name, (muscle, before), data, criterion, found)
+    files.write(outcome)
     checkpoint.remove()
-    _tell(outcome, at_bounds(criterion, found.best))
-    print(out, report, *pictures.values(), sep='\n')
+    _tell(outcome)
+    print(*files.results, sep='\n')
+
+
+def _check_depths(args: argparse.Namespace, muscle: BroadMuscle) -> None:
+    """ValueError where depths to tighten by cannot be."""
+    depths = [*args.tighten, -args.clearance]
+    if args.tighten and not muscle.interference_names:
+        raise ValueError(f'tighten: {muscle.name} has no interference spheres')
+    if args.tighten and depths != sorted(set(depths), reverse=True):
+        raise ValueError(
+            f'tighten: {" ".join(f"{depth:g}" for depth in args.tighten)}, then clearance '
+            f'{args.clearance:g}; ever smaller depths expected'
+        )
 
 
 def _stated(
@@ -206,13 +211,15 @@ def _stated(
     from ..fit.criterion import Criterion, Weights, grid
     from ..fit.data import read
     from ..fit.over_range import STEPS
-    from ..fit.parameters import THESIS, Bound, space
+    from ..fit.parameters import THESIS, Bound, matches, places, space
 
     step = None if args.every is None else math.radians(args.every)
     data = read(args.data, muscle, args.convention, args.angle_scale, step)
     bounds = [Bound.of(text) for text in args.bound]
     mm, rad = args.reach
-    parameters = space(muscle.definition, args.free or THESIS, bounds, (1e-3 * mm, rad))
+    known = places(muscle.definition)
+    free = args.free or [each for each in THESIS if any(matches(each, place) for place in known)]
+    parameters = space(muscle.definition, free, bounds, (1e-3 * mm, rad))
     over = args.over == 'range'
     given = {'order': float(over), 'jumps': float(over), **dict(args.weights)}
     weights = Weights(clearance=1e-3 * args.clearance, arm_scale=args.arm_scale, **given)
@@ -225,11 +232,18 @@ def _stated(
 
 
 def _outcome(
-    name: str, muscle: BroadMuscle, data: Data, criterion: Criterion, found: Found
+    args: argparse.Namespace,
+    name: str,
+    before: tuple[BroadMuscle, OverRange],
+    data: Data,
+    criterion: Criterion,
+    found: Found,
 ) -> Outcome:
     """Return what a fit has made, and what it does over the range of motion."""
     from ..fit.over_range import over_range
     from ..fit.report import Outcome, Stage
+
+    muscle, over_before = before
 
     def fitted(x: np.ndarray) -> BroadMuscle:
         places = criterion.space.coefficients(x)
@@ -238,23 +252,21 @@ def _outcome(
         return BroadMuscle.of(replace(made.definition, name=name, source=source))
 
     stages = tuple(Stage(depth, best, over_range(fitted(best))) for depth, best in found.best_of)
-    command = 'linkedplane fit ' + shlex.join(sys.argv[2:])
+    words = [word for word in args.words if word not in ('--resume', '--force')]
+    command = 'linkedplane ' + shlex.join(words)
     start = criterion.space.start
-    return Outcome(command, data, criterion, muscle, fitted(found.best), start,
-                   over_range(muscle), stages)  # fmt: skip
+    return Outcome(command, data, criterion, muscle, fitted(found.best), start, over_before, stages)
 
 
-def _begun(args: argparse.Namespace, out: Path, checkpoint: Checkpoint) -> dict[str, Any] | None:
+def _begun(args: argparse.Namespace, files: Files, checkpoint: Checkpoint) -> dict[str, Any] | None:
     """Return the state to go on from, if any; ValueError for a file that would be lost."""
+    files.check(Path(args.data), args.force or args.resume)
     if args.resume:
         return checkpoint.read()
-    if not args.force:
-        if checkpoint.path.exists():
-            raise ValueError(
-                f'{checkpoint.path}: a fit was stopped here; --resume goes on, --force begins anew'
-            )
-        if out.exists():
-            raise ValueError(f'{out}: is there already; --force replaces it')
+    if not args.force and checkpoint.path.exists():
+        raise ValueError(
+            f'{checkpoint.path}: a fit was stopped here; --resume goes on, --force begins anew'
+        )
     return None
 
 
@@ -268,6 +280,7 @@ def _searched(
 ) -> Found:
     """Return what the fit finds; tells how far it is, and keeps its state on disk."""
     from ..fit.fitting import fit
+    from ..fit.progress import bar
 
     with bar(plan) as shown:
 
@@ -278,49 +291,18 @@ def _searched(
         try:
             return fit(criterion, plan, watch, state, jobs, tell)
         except KeyboardInterrupt:
-            if checkpoint.path.exists():
+            if checkpoint.written:
                 print(f'linkedplane: stopped; {checkpoint.path} is there for --resume',
                       file=sys.stderr)  # fmt: skip
             raise
 
 
-@contextmanager
-def bar(plan: Plan) -> Iterator[Callable[[Progress], None]]:
-    """Show the generations done and the best criterion while in the block, if a person looks on."""
-    try:
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-    except ImportError:
-        yield lambda progress: None
-        return
-    columns = (
-        TextColumn('fitting, round {task.fields[round]}'),
-        BarColumn(),
-        TextColumn('{task.completed:.0f} of {task.total:.0f} generations'),
-        TextColumn('best {task.fields[best]} mm²'),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, transient=True, disable=not sys.stderr.isatty(),
-                  console=Console(stderr=True)) as shown:  # fmt: skip
-        total = plan.rounds * plan.generations
-        number = shown.add_task('', total=total, round=1, best='-')
-
-        def tell(progress: Any) -> None:
-            shown.update(
-                number,
-                completed=progress.round * plan.generations + progress.generation,
-                round=min(progress.round + 1, plan.rounds),
-                best=f'{progress.best:,.2f}',
-            )
-
-        yield tell
-
-
-def _tell(outcome: Outcome, bound: list[str]) -> None:
+def _tell(outcome: Outcome) -> None:
     """Print what has become of the fit."""
-    from ..fit.report import mean
+    from ..fit.report import at_bounds, mean
 
     one = outcome.criterion
+    bound = at_bounds(one, outcome.found)
     values = [one.value(x) for x in (outcome.start, outcome.found)]
     print(
         f'{len(outcome.start)} parameters, {len(outcome.data.measurements)} rows '
@@ -343,9 +325,13 @@ def _tell(outcome: Outcome, bound: list[str]) -> None:
 def weight(text: str) -> tuple[str, float]:
     """Return a kind and its weight, for argparse."""
     kind, _, value = text.partition('=')
+    try:
+        found = not_negative(value)
+    except ValueError:
+        kind = ''
     if kind not in KINDS:
         raise argparse.ArgumentTypeError(f'{text}: one of {", ".join(KINDS)}, = and a number')
-    return kind, not_negative(value)
+    return kind, found
 
 
 def whole(text: str) -> int:

@@ -22,6 +22,14 @@ def not_negative(text: str) -> float:
     return value
 
 
+def finite(text: str) -> float:
+    """Return a finite number, for argparse."""
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f'{text} given, a finite number expected')
+    return value
+
+
 def sign(text: str) -> float:
     """Return 1.0 or -1.0, for argparse."""
     value = float(text)

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,11 @@ class Checkpoint:
         self.path, self.fingerprint = path, fingerprint
         self._written = -math.inf
 
+    @property
+    def written(self) -> bool:
+        """Whether this fit's state is on disk."""
+        return self._written > -math.inf
+
     def offer(self, search: Any) -> None:
         """Write the state of a search if the last one is some seconds old."""
         if time.monotonic() - self._written >= EVERY:
@@ -34,6 +40,8 @@ class Checkpoint:
             new.write_text(text, encoding='utf-8')
             os.replace(new, self.path)
         except OSError as error:
+            with suppress(OSError):  # where there is nothing to remove
+                new.unlink()
             raise ValueError(f'{self.path}: cannot be written: {error.strerror}') from None
         self._written = time.monotonic()
 
@@ -52,6 +60,7 @@ class Checkpoint:
             raise ValueError(
                 f'{self.path}: of another fit: the model, the data or an option is not the same'
             )
+        self._written = time.monotonic()
         return state
 
     def remove(self) -> None:

@@ -23,7 +23,7 @@ from ..linked_planes import BAND_VECTORS, FIRST_BAND
 from ..model import BroadMuscle
 from .data import Data
 from .kernel import evaluate
-from .parameters import Space
+from .parameters import Space, flat_numbers
 
 Floats = npt.NDArray[np.float64]
 
@@ -67,7 +67,8 @@ class States:
     edges: Floats
     """(m, n) how far each band is past the edge where its length jumps, m."""
     gaps: Floats
-    """(m, n - 1) by how much each band lies behind the one before it, halfway along, m."""
+    """(m, n - 1) by how much each band lies past the one before it, halfway along, m: to the side
+    to which the fan runs."""
     spacing: Floats
     """(n - 1,) the distances between the origins of neighbours, m: a fan's are nowhere wider."""
 
@@ -89,6 +90,8 @@ class Criterion:
     of_arm: tuple[npt.NDArray[np.int64], Floats, Floats, Floats]
     """The same of each measured moment arm, with its axis (3,)."""
     weights: Weights = field(default_factory=Weights)
+    side: float = 1.0
+    """To which side the fan runs: `side_of` of the model that is fitted."""
 
     @staticmethod
     def of(
@@ -121,6 +124,7 @@ class Criterion:
             _columns(lengths),
             _columns(arms),
             weights or Weights(),
+            side_of(flat_numbers(muscle.definition)),
         )
 
     def also_at(self, more: Floats) -> Criterion:
@@ -130,7 +134,7 @@ class Criterion:
     def states(self, x: Floats) -> States | float:
         """Return the muscle at the poses; for one that has no path, how far it is from one, m."""
         muscle = self.space.muscle(x)
-        return posed(muscle, self.rotations, self.spheres, self.measured)
+        return posed(muscle, self.rotations, self.spheres, self.measured, self.side)
 
     def deviations(self, states: States) -> tuple[Floats, Floats]:
         """Return modelled less measured lengths and moment arms, mm, row by row, no weights."""
@@ -193,10 +197,19 @@ def spheres_of(muscle: BroadMuscle) -> Floats:
     return np.column_stack((muscle.interference_centres, muscle.interference_radii))
 
 
-def posed(muscle: Floats, rotations: Floats, spheres: Floats, measured: int) -> States | float:
+def side_of(muscle: Floats) -> float:
+    """Return 1 if a flat muscle's bands, hanging, run as the deltoid's do, -1 if backwards."""
+    states = posed(muscle.copy(), np.eye(3)[np.newaxis], np.empty((0, 4)), 0)
+    return -1.0 if isinstance(states, States) and states.gaps.sum() < 0.0 else 1.0
+
+
+def posed(
+    muscle: Floats, rotations: Floats, spheres: Floats, measured: int, side: float = 1.0
+) -> States | float:
     """Return a flat muscle (kernel.py) at m poses, lengths and moments for the first ones alone.
 
-    For a muscle that has no path at a pose, how deep its ends lie in their spheres, m.
+    Gaps are positive to the side to which the fan runs. For a muscle that has no path at a pose,
+    how deep its ends lie in their spheres, m.
     """
     m, n = len(rotations), (len(muscle) // 3 - FIRST_BAND) // BAND_VECTORS
     lengths, moments = np.empty((measured, n)), np.empty((measured, 3 * n))
@@ -206,6 +219,8 @@ def posed(muscle: Floats, rotations: Floats, spheres: Floats, measured: int) -> 
     solved, off = evaluate(muscle, rotations, spheres, *filled)
     if solved < m:
         return min(float(off), 1.0)
+    if side < 0.0:
+        np.negative(filled[6], out=filled[6])
     return States(lengths, moments.reshape(-1, n, 3), *filled[2:])
 
 

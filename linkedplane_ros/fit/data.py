@@ -80,6 +80,9 @@ class Data:
     @property
     def reading(self) -> str:
         """How the table was read, for reports."""
+        convention = self.measurements[0].convention
+        if convention is not None:
+            return f'angles in {convention.name}'
         angles = 'angles as they stand'
         if self.angle_scale != 1.0:
             angles = f'angles times {self.angle_scale:g}'
@@ -96,7 +99,8 @@ def read(
     """Return the measurements of a CSV; RecordingError in one line for whatever is wrong.
 
     A motion's angles are multiplied by `angle_scale`; its curves are then taken at the multiples of
-    `step` (rad), linear between the rows, where one is given.
+    `step` (rad), linear between the rows, where one is given. Either is a fault for poses, which
+    are taken as they stand.
     """
     path = Path(path)
     with lines_of(path) as (lines, _):
@@ -106,14 +110,18 @@ def read(
         found = [columns.measurement(muscle, line, cells) for line, cells in rows]
         if not found:
             raise RecordingError(f'{line}: no rows of measurements after the names')
-    scaled = [
-        each if each.convention else replace(each, angles=(angle_scale * each.angles[0],))
-        for each in found
-    ]
+    if columns.convention is not None:
+        if step is not None or angle_scale != 1.0:
+            raise RecordingError(
+                f'{path}: has poses; only angles of a motion are scaled or stepped'
+            )
+        return Data(path, tuple(found), 1.0, None)
+    scaled = [replace(each, angles=(angle_scale * each.angles[0],)) for each in found]
     if step is not None:
-        scaled = list(_stepped(scaled, step))
-        if not scaled:
-            raise RecordingError(f'{path}: no curve has an angle that is a multiple of the step')
+        try:
+            scaled = list(_stepped(scaled, step))
+        except RecordingError as error:
+            raise RecordingError(f'{path}: {error}') from None
     return Data(path, tuple(scaled), angle_scale, step)
 
 
@@ -237,20 +245,41 @@ def _unit_column(
 
 
 def _stepped(measurements: Sequence[Measurement], step: float) -> Iterator[Measurement]:
-    """Yield the curves of motions at the multiples of a step, and what is no curve as it is."""
+    """Yield each curve at the multiples of a step, lengths and moment arms each between their rows.
+
+    RecordingError for a curve with two rows at an angle, and for one without any multiple.
+    """
     curves: dict[tuple[str, str], list[Measurement]] = {}
     for each in measurements:
-        if each.convention is not None:
-            yield each
-        else:
-            curves.setdefault((each.motion, each.part), []).append(each)
-    for curve in curves.values():
+        curves.setdefault((each.motion, each.part), []).append(each)
+    for (motion, part), curve in curves.items():
         curve.sort(key=lambda each: each.angle)
         q = np.array([each.angle for each in curve])
-        first, last = math.ceil(q[0] / step - SAME), math.floor(q[-1] / step + SAME)
-        at = step * np.arange(first, last + 1)
+        twice = np.flatnonzero(np.diff(q) < SAME)
+        if len(twice):
+            raise RecordingError(
+                f'{motion}, {part}: two rows at {math.degrees(q[twice[0]]):g} deg; a curve, to be '
+                'taken at steps, has one'
+            )
+        at = step * np.arange(math.ceil(q[0] / step - SAME), math.floor(q[-1] / step + SAME) + 1)
         columns = np.array([(each.length, each.arm, each.weight) for each in curve]).T
-        values = [np.interp(at, q, column).tolist() for column in columns]
-        for angle, length, arm, weight in zip(at.tolist(), *values, strict=True):
-            if not (math.isnan(length) and math.isnan(arm)):
-                yield replace(curve[0], angles=(angle,), length=length, arm=arm, weight=weight)
+        lengths, arms, weights = (_between(at, q, column) for column in columns)
+        taken = np.isfinite(lengths) | np.isfinite(arms)
+        if not taken.any():
+            raise RecordingError(
+                f'{motion}, {part}: no multiple of {math.degrees(step):g} deg between '
+                f'{math.degrees(q[0]):g} and {math.degrees(q[-1]):g} deg'
+            )
+        rows = zip(*(each[taken].tolist() for each in (at, lengths, arms, weights)), strict=True)
+        for angle, length, arm, weight in rows:
+            yield replace(curve[0], angles=(angle,), length=length, arm=arm, weight=weight)
+
+
+def _between(at: Floats, q: Floats, values: Floats) -> Floats:
+    """Return values at some places, linear between those that are not NaN; NaN beyond them."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.full(len(at), math.nan)
+    found = np.interp(at, q[known], values[known])
+    beyond = (at < q[known][0] - SAME) | (at > q[known][-1] + SAME)
+    return np.where(beyond, math.nan, found)

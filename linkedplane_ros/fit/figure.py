@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..colours import HEAD_COLOURS, Colour
 from ..plot import STYLE, library, write
 from .criterion import MM
@@ -66,6 +68,7 @@ def draw_trade_off(outcome: Outcome, file: Path) -> None:
                           label=f'{kind}, {outcome.before.name}')  # fmt: skip
         axes.set_xlabel('deepest entry of a band into bone over the range of motion (mm)')
         axes.set_ylabel('mean deviation (mm)')
+        axes.margins(y=0.08)
         axes.set_ylim(bottom=0.0)
         axes.axvline(0.0, color='0.8', linewidth=0.6, zorder=0)
         axes.legend()
@@ -85,24 +88,21 @@ def _curves(
 ) -> None:
     """Draw a part in a motion: points measured, dashed before, solid after."""
     name = {'length': 'length', 'moment arm': 'arm'}[kind]
-    measured = {
-        row.angle: MM * getattr(row, name)
-        for row in outcome.data.measurements
-        if (row.part, row.motion) == of and math.isfinite(getattr(row, name))
-    }
-    if not measured:
+    measured = [row for row in outcome.data.measurements if math.isfinite(getattr(row, name))]
+    rows = sorted(
+        (row.angle, MM * getattr(row, name), before[-1], after[-1])
+        for row, before, after in zip(measured, *deviations, strict=True)
+        if (row.part, row.motion) == of
+    )
+    if not rows:
         return
-    angles = sorted(measured)
-    degrees = [math.degrees(angle) for angle in angles]
-    points = [measured[angle] for angle in angles]
-    axes.plot(degrees, points, 'o', color=colour, markersize=2.5)
-    for rows, line in zip(deviations, ((0, (3.0, 1.5)), '-'), strict=True):
-        off: Mapping[float, float] = {
-            angle: value for part, motion, angle, value in rows if (part, motion) == of
-        }
-        values = [measured[angle] + off[angle] for angle in angles]
-        alone = {'marker': '_', 'markersize': 5.0 + 4.0 * (line == '-')} if len(angles) == 1 else {}
-        axes.plot(degrees, values, linestyle=line, color=colour, linewidth=0.9, **alone)
+    angles, points, before, after = map(np.array, zip(*rows, strict=True))
+    axes.plot(np.degrees(angles), points, 'o', color=colour, markersize=2.5)
+    curve = len(angles) > 1 and bool((np.diff(angles) > 0.0).all())
+    for off, line, size in ((before, (0, (3.0, 1.5)), 5.0), (after, '-', 9.0)):
+        style = {} if curve else {'marker': '_', 'markersize': size}
+        axes.plot(np.degrees(angles), points + off, linestyle=line if curve else '', color=colour,
+                  linewidth=0.9, **style)  # fmt: skip
 
 
 def _colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:

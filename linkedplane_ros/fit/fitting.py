@@ -197,7 +197,7 @@ class _Work:
         """Take in the watched poses with the worst faults of the best muscle; False: none."""
         one = self.criterion
         muscle = one.space.muscle(self.low + self.room * search.best)
-        states = posed(muscle, self.watch, one.spheres, 0)
+        states = posed(muscle, self.watch, one.spheres, 0, one.side)
         if isinstance(states, float) or not len(self.watch):
             return False
         each = sum((part**2).sum(axis=1) for part in one.faults(states))

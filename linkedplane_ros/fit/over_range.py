@@ -12,7 +12,7 @@ from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
 from ..model_check import DEFAULT_RANGE
 from ..solver import LinkedPlaneSolver, WrapState
-from .criterion import grid, posed, spheres_of
+from .criterion import grid, posed, side_of, spheres_of
 from .parameters import flat_numbers
 
 Floats = npt.NDArray[np.float64]
@@ -78,7 +78,7 @@ def over_range(
     angles = np.concatenate((angles, more))
     rotations = np.concatenate((rotations, CONVENTION.rotations_and_axes(more)[0]))
     flat = flat_numbers(muscle.definition)
-    states = posed(flat, rotations, spheres_of(muscle), 0)
+    states = posed(flat, rotations, spheres_of(muscle), 0, side_of(flat))
     if isinstance(states, float):
         raise ValueError(f'{muscle.name}: a band has no path anywhere: an end lies in its sphere')
     inside = int((states.wrap == WrapState.INSIDE).sum())

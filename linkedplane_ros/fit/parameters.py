@@ -7,6 +7,7 @@ small steps of the muscle. The polynomials are the same; the file gets their coe
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -57,16 +58,19 @@ class Bound:
     def of(text: str) -> Bound:
         """Return the bound that PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-SHARE% states."""
         pattern, _, limits = text.rpartition('=')
-        bound = None
+        bound, numbers = Bound(pattern), [math.inf]
         with suppress(ValueError):
             if limits.startswith('+-') and limits.endswith('%'):
-                bound = Bound(pattern, share=0.01 * float(limits[2:-1]))
+                numbers = [0.01 * float(limits[2:-1])]
+                bound = Bound(pattern, share=numbers[0])
             elif limits.startswith('+-'):
-                bound = Bound(pattern, size=float(limits[2:]))
+                numbers = [float(limits[2:])]
+                bound = Bound(pattern, size=numbers[0])
             else:
                 low, high = map(float, limits.split(':'))
-                bound = Bound(pattern, low, high)
-        if not bound or not (pattern and bound.low < bound.high and bound.size > 0 < bound.share):
+                bound, numbers = Bound(pattern, low, high), [low, high]
+        room = bound.low < bound.high and bound.size > 0.0 < bound.share
+        if not (pattern and room and all(map(math.isfinite, numbers))):
             raise ValueError(
                 f'bound {text!r}: PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-PERCENT% expected'
             )
@@ -103,9 +107,8 @@ class Space:
 
     @property
     def start(self) -> Floats:
-        """(p,) where the model stands, moved into the bounds."""
-        each = [min(max(p.start, p.low), p.high) for p in self.parameters]
-        return np.array(each)
+        """(p,) where the model stands."""
+        return np.array([parameter.start for parameter in self.parameters])
 
     @property
     def low(self) -> Floats:
@@ -144,6 +147,7 @@ def places(definition: Definition) -> dict[str, float]:
 
 def matches(pattern: str, place: str) -> bool:
     """Return whether a place, or the beginning of it up to a . or [, is what a pattern says."""
+    place = f'sphere.{place}' if place == DISTANCE != pattern else place
     starts = [place, *(place[: found.start()] for found in re.finditer(r'[.\[]', place))]
     escaped = pattern.replace('[', '[[]')  # an index, not a set of characters
     return any(fnmatchcase(start, escaped) for start in starts)
@@ -169,14 +173,13 @@ def space(
 ) -> Space:
     """Return the parameters that patterns of places free, and the model as they make it.
 
-    A later bound goes before an earlier one; without one, no value at a band may move by more than
-    `reach`, m or rad. ValueError for a pattern that fits nothing and bounds that leave no room.
+    A later bound goes before an earlier one; without one, no parameter may move a value by more
+    than `reach`, m or rad. Of a curve that is free as a whole, bounds and reach hold at the places
+    along s where it is sought; between them it may go beyond. ValueError for a pattern that fits
+    nothing, and for bounds that leave no room or leave the start out.
     """
     builder = _Builder(definition, bounds, reach)
     left = chosen(definition, free)
-    unused = [bound.pattern for bound in bounds if not any(matches(bound.pattern, p) for p in left)]
-    if unused:
-        raise ValueError(f'bound: {unused[0]!r} is none of what is free')
     names = place_names(definition)
     for key, curve in definition.curves().items():
         mine = [place for place in names[key] if place in left]
@@ -188,6 +191,10 @@ def space(
                 builder.point(key, axis, place)
     if DISTANCE in left:
         builder.distance()
+    for bound in bounds:
+        if bound not in builder.used:
+            sought = ', '.join(dict.fromkeys(builder.sought))
+            raise ValueError(f'bound: {bound.pattern!r} is none of what is free: {sought}')
     return builder.made()
 
 
@@ -200,6 +207,9 @@ class _Builder:
         self.definition, self.bounds, self.reach = definition, bounds, reach
         self.n = len(definition.band_names)
         self.metres, self.radians = METRES[definition.length], RADIANS[definition.angle]
+        self.used: list[Bound] = []
+        self.sought: list[str] = []
+        """What bounds can name: a curve that is free as a whole, a place else."""
         self.parameters: list[Parameter] = []
         self.columns: list[Floats] = []
         self.rows: list[dict[str, float]] = []
@@ -216,22 +226,23 @@ class _Builder:
             at_bands = np.eye(self.n)
         else:
             at_bands = np.vander(self.definition.s_of_bands, len(values))
-        if isinstance(curve, Polynomial) and len(mine) == len(values) > 1:
+        apart = len(set(np.asarray(self.definition.s_of_bands).tolist()))
+        if isinstance(curve, Polynomial) and apart >= len(mine) == len(values) > 1:
             at = nodes(self.definition.s_of_bands, len(values))
             from_values = np.linalg.inv(np.vander(at, len(values)))
             for j, value in enumerate(np.polyval(values, at).tolist()):
                 rows = dict(zip(names, from_values[:, j].tolist(), strict=True))
                 name = f'{key}(s={at[j]:.2f})'
-                self._of_curve(name, key, value, at_bands @ from_values[:, j], rows, 1.0)
+                self._of_curve(name, key, key, value, at_bands @ from_values[:, j], rows, 1.0)
             return
         for place in mine:
             i = names.index(place)
             effect = max(float(np.abs(at_bands[:, i]).max()), 1e-12)
-            self._of_curve(place, key, values[i], at_bands[:, i], {place: 1.0}, effect)
+            self._of_curve(place, key, place, values[i], at_bands[:, i], {place: 1.0}, effect)
 
     def _of_curve(
-        self, name: str, key: str, start: float, at_bands: Floats, rows: Mapping[str, float],
-        effect: float,
+        self, name: str, key: str, bounded: str, start: float, at_bands: Floats,
+        rows: Mapping[str, float], effect: float,
     ) -> None:  # fmt: skip
         """Add a parameter of a curve; at a band it counts `effect` times at the most."""
         angle = key == 'plane_angle'
@@ -240,9 +251,8 @@ class _Builder:
         column[3 * FIRST_BAND + SLOTS[key] :: 3 * BAND_VECTORS] = size * at_bands
         whole = float(np.abs(self.definition.values[key]).max()) / effect
         reach = self.reach[angle] / size / effect
-        low, high = self._limits(next(iter(rows)), start, whole, reach)
-        if key == 'sphere.radius' and effect == 1.0:
-            low = max(low, SMALLEST / size)
+        least = SMALLEST / size if key == 'sphere.radius' and effect == 1.0 else -np.inf
+        low, high = self._limits(bounded, start, whole, reach, least)
         self._add(Parameter(name, unit, start, low, high), column, rows)
 
     def point(self, key: str, axis: int, place: str) -> None:
@@ -275,15 +285,23 @@ class _Builder:
             return self.radians, self.definition.angle
         return self.metres, self.definition.length
 
-    def _limits(self, place: str, start: float, whole: float, reach: float) -> tuple[float, float]:
+    def _limits(
+        self, place: str, start: float, whole: float, reach: float, least: float = -np.inf
+    ) -> tuple[float, float]:
+        self.sought.append(place)
         bound = Bound('', size=reach)
         for each in self.bounds:
             if matches(each.pattern, place):
                 bound = each
+                self.used.append(each)
         room = min(bound.size, bound.share * whole)
-        low, high = max(bound.low, start - room), min(bound.high, start + room)
+        low, high = max(bound.low, start - room, least), min(bound.high, start + room)
         if not low < high:
             raise ValueError(f'bound: {bound.pattern}: no room for {place} about {start:g}')
+        if not low <= start <= high:
+            raise ValueError(
+                f'bound: {bound.pattern}: {place} starts at {start:g}, outside {low:g} to {high:g}'
+            )
         return low, high
 
     def _add(self, parameter: Parameter, column: Floats, rows: Mapping[str, float]) -> None:

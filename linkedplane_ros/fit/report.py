@@ -117,8 +117,8 @@ def _what(outcome: Outcome) -> Iterator[str]:
     if weights.arm_scale != 1.0:
         yield f'* Modelled moment arms times {weights.arm_scale:g} before they are compared'
     yield (
-        '* Moment arms are positive where shortening carries the motion on; all deviations are '
-        'modelled less measured'
+        '* Right shoulder; angles are those of the humerus against the scapula. Moment arms are '
+        'positive where shortening carries the motion on; all deviations are modelled less measured'
     )
 
 
@@ -167,16 +167,14 @@ def _interference(outcome: Outcome) -> Iterator[str]:
     if len(muscle.interference_names):
         entries = [_entered(each.depths) for each in over]
         yield _row('... bands and poses that enter a sphere', entries)
-    behind = [
-        f'{each.disordered}, least gap {MM * each.gaps.min(initial=math.inf):.1f} mm'
-        for each in over
-    ]
-    yield _row('... bands not behind the one before', behind)
-    parted = [
-        f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max(initial=-math.inf):.1f} mm'
-        for each in over
-    ]
-    yield _row('... bands farther from the one before than at their origins', parted)
+    if len(muscle.band_names) > 1:
+        behind = [f'{each.disordered}, least gap {MM * each.gaps.min():.1f} mm' for each in over]
+        yield _row('... bands not behind the one before', behind)
+        parted = [
+            f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max():.1f} mm'
+            for each in over
+        ]
+        yield _row('... bands farther from the one before than at their origins', parted)
     yield _row('... bands without a path', [str(each.inside) for each in over])
     yield _row('... largest jump of a length, mm', [f'{MM * each.jump:.2f}' for each in over])
     yield ''

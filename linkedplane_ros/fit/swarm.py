@@ -7,6 +7,7 @@ on to the bit as if it had never been stopped.
 from __future__ import annotations
 
 import warnings
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -18,20 +19,25 @@ INSTALL = "a fit needs pymoo, SciPy and matplotlib: pip install 'linkedplane_ros
 ADAPTED = ('w', 'c1', 'c2')  # the swarm's inertia and pulls, which it changes as it goes
 
 
+def needed() -> None:
+    """ValueError where a library is missing that a fit needs, before it has searched for long."""
+    if not all(map(find_spec, ('matplotlib', 'pymoo', 'scipy'))):
+        raise ValueError(INSTALL)
+
+
 class Swarm:
     """Particles that look for the least value of a function of p numbers from 0 to 1."""
 
     def __init__(self, first: Floats, seed: int) -> None:
         """Begin with the particles (k, p), k at least 2."""
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter('ignore')  # of its own imports
-                from pymoo.algorithms.soo.nonconvex.pso import PSO
-                from pymoo.config import Config
-                from pymoo.core.problem import Problem
-                from pymoo.core.termination import NoTermination
-        except ImportError:
-            raise ValueError(INSTALL) from None
+        needed()
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # of its own imports
+            from pymoo.algorithms.soo.nonconvex.pso import PSO
+            from pymoo.config import Config
+            from pymoo.core.problem import Problem
+            from pymoo.core.termination import NoTermination
+
         Config.warnings['not_compiled'] = False
         count = first.shape[1]
         self.problem = Problem(n_var=count, n_obj=1, xl=np.zeros(count), xu=np.ones(count))
