@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 Three = tuple[float, float, float]
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
+FASTEST = 1e9  # rad/s: no velocity; of a few more digits an answer could not be told
 
 
 class Rejected(ValueError):
@@ -134,7 +135,7 @@ class JointMemory:
             return {}, f'velocities left out: {len(velocities)} for {count} names'
         rates = {name: velocities[i] for name, i in places}
         for name, v in rates.items():
-            if not math.isfinite(v):
+            if not abs(v) <= FASTEST:  # nor is NaN
                 return {}, f'velocities left out: that of joint {name!r} is {v}'
         return rates, ''
 

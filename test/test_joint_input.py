@@ -183,6 +183,7 @@ def test_a_message_without_velocities_has_none_though_earlier_ones_had(
         ((1.0, 2.0, 3.0, 4.0), 'velocities left out: 4 for 3 names'),
         ((1.0, math.nan, 3.0), "velocities left out: that of joint 'abduction' is nan"),
         ((1.0, 2.0, -math.inf), "velocities left out: that of joint 'rotation' is -inf"),
+        ((1.0, 2.0, 1e308), "velocities left out: that of joint 'rotation' is 1e+308"),
     ],
 )
 def test_unusable_velocities_are_left_out_with_a_warning_and_not_remembered(

@@ -233,7 +233,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
         assert change(node, muscle=BOTH).successful
-        assert published(node) == set(BOTH)
+        assert peer.until(lambda: published(node) == set(BOTH))
         other.connect()
         peer.send(NAMES, POSE, SPEEDS)
         assert other.answers(1)
@@ -244,7 +244,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
         assert counts == {'deltoid': '2', 'example_shared_sphere': '1'}
         shown = len(peer.got['markers'])
         assert change(node, muscle='deltoid').successful
-        assert published(node) == {'deltoid'}
+        assert peer.until(lambda: published(node) == {'deltoid'})
         assert peer.until(lambda: other.got['markers'][-1].markers[0].action == Marker.DELETEALL)
         peer.send(NAMES, POSE, SPEEDS, nanoseconds=10**9)
         assert peer.answers(3)
@@ -262,7 +262,7 @@ def test_a_list_with_one_bad_muscle_is_refused_and_the_old_ones_work_on(
             assert not result.successful
             assert '\n' not in result.reason
             assert node.get_parameter('muscle').value == BOTH
-        assert published(node) == set(BOTH)
+        assert peer.until(lambda: published(node) == set(BOTH))
         peer.send(NAMES, POSE, SPEEDS)
         for reader, name in zip((peer, other), BOTH, strict=True):
             assert reader.answers(1)
@@ -275,7 +275,7 @@ def test_of_muscles_that_are_refused_no_topic_is_left(peer: Peer) -> None:
         result = change(node, muscle=[*BOTH, 'example_humerus_spheres'])
         assert not result.successful
         assert 'volatile or transient_local' in result.reason
-        assert published(node) == {'deltoid'}
+        assert peer.until(lambda: published(node) == {'deltoid'})
 
 
 def test_a_list_of_one_muscle_is_that_muscle(peer: Peer, capfd: pytest.CaptureFixture[str]) -> None:
