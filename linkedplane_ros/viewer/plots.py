@@ -16,7 +16,8 @@ from .newest import Facts, Floats, Values
 
 SPAN = 20.0  # s shown
 RATE = 60  # rows a second at most
-FRESH = 0.08  # s between drawings of a plot
+FRESH = 0.25  # s between drawings of a plot while states come one after the other
+REST = 0.12  # s without a new one after which it is drawn at once: the scene goes first
 DEGREES = (-180.0, 180.0, 1.0)
 TIME, COORDINATE = 'time', 'coordinate'
 HEIGHT = 125  # px
@@ -49,7 +50,7 @@ class Plots:
         self._gui = gui
         self._facts = [facts for _, facts in muscles]
         self._begin = 0.0
-        self._drawn = -np.inf
+        self._first = self._last = -np.inf  # when rows came that are not drawn
         self._rows = self._rows_drawn = 0
         self._lines = lines_of(muscles)
         self._place = gui.add_folder(None)
@@ -124,15 +125,17 @@ class Plots:
                 for curve, angle in zip(curves, np.degrees(values.pose).tolist(), strict=True):
                     curve.add(angle, row)
         self._recent.add(now - self._begin, np.concatenate(rows))
-        self._rows += 1
+        if self._rows == self._rows_drawn:
+            self._first = now
+        self._rows, self._last = self._rows + 1, now
 
     def draw(self, now: float, coordinate: int) -> None:
         """Draw what there is; the moment arms are those about a coordinate (0, 1, 2)."""
         axis = self._axis.value
         known = self._rows == self._rows_drawn and self._shown == (axis, coordinate)
-        if known or now < self._drawn + FRESH or not self._lines:
+        if known or not self._lines or now < min(self._first + FRESH, self._last + REST):
             return
-        self._drawn, self._rows_drawn = now, self._rows
+        self._rows_drawn = self._rows
         table = self._table(axis, coordinate)
         if len(table) < 2:
             return

@@ -16,6 +16,7 @@ GREY = (128, 128, 128)
 AXES = 0.09  # m that the axes reach from the glenohumeral centre
 APART = 0.17  # m from the middle of the body to a glenohumeral centre, as both_shoulders.launch.py
 THIN = 0.0012  # m, of the axes
+PIXELS = 1500.0  # of a metre of a line's width: as wide from near and far, a third of the work
 BEAD = 0.02  # m: what is smaller is drawn with few triangles
 BALL, SMALL_BALL = (trimesh.creation.icosphere(subdivisions=k, radius=0.5) for k in (3, 1))
 ROD = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=32)
@@ -66,7 +67,9 @@ class MuscleScene:
         pieces = np.array([((0.0, 0.0, 0.0), end) for end in ends.values()])
         name = f'{self._prefix}/axes'
         self._labels = [
-            self._scene.add_line_segments(name, pieces, GREY, thickness=UNIT * THIN),
+            self._scene.add_line_segments(
+                name, pieces, GREY, thickness=PIXELS * THIN, thickness_units='screen'
+            ),
             *(
                 self._scene.add_label(f'{name}/{text}', text, position=end)
                 for text, end in ends.items()
@@ -99,7 +102,8 @@ class MuscleScene:
                 path,
                 UNIT * drawable.points,
                 linear(drawable.colours),
-                thickness=UNIT * drawable.width,
+                thickness=PIXELS * drawable.width,
+                thickness_units='screen',
             )
         if isinstance(drawable, Bodies):
             ball = BALL if drawable.sizes.max() > BEAD else SMALL_BALL
@@ -146,7 +150,7 @@ def update(handle: Any, drawable: Drawable) -> None:
     """Change a thing of the scene; the library sends only what is different."""
     if isinstance(drawable, Lines):
         handle.points, handle.colors = UNIT * drawable.points, linear(drawable.colours)
-        handle.thickness = UNIT * drawable.width
+        handle.thickness = PIXELS * drawable.width
     elif isinstance(drawable, Bodies):
         handle.batched_positions, handle.batched_wxyzs = UNIT * drawable.positions, drawable.turns
         handle.batched_scales = UNIT * drawable.sizes
