@@ -16,7 +16,7 @@ from ..conventions import JOINT_CONVENTIONS
 from ..model import BroadMuscle
 from ..model_check import DEFAULT_RANGE
 from ..sections import Section
-from .values import counting, finite, not_negative, positive
+from .values import counting, finite, not_negative, positive, whole
 
 if TYPE_CHECKING:
     from ..fit.checkpoint import Checkpoint
@@ -119,8 +119,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     how = parser.add_argument_group('how')
     add = how.add_argument
-    add('--particles', type=several, default=50, metavar='N', help='of the swarm (default 50)')
-    add('--generations', type=whole, default=150, metavar='N', help='of each round (default 150)')
+    add('--particles', type=whole(2), default=50, metavar='N', help='of the swarm (default 50)')
+    add(
+        '--generations', type=whole(0), default=150, metavar='N', help='of each round (default 150)'
+    )
     add(
         '--rounds',
         type=counting,
@@ -137,13 +139,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         '--polish',
-        type=whole,
+        type=whole(0),
         default=100,
         metavar='N',
         help='steps of least squares of a polish (default 100); over the range a stage has up to '
         '6, the last one up to 20',
     )
-    add('--seed', type=whole, default=0, metavar='N', help='of all random numbers (default 0)')
+    add('--seed', type=whole(0), default=0, metavar='N', help='of all random numbers (default 0)')
     add(
         '--jobs',
         type=counting,
@@ -332,19 +334,3 @@ def weight(text: str) -> tuple[str, float]:
     if kind not in KINDS:
         raise argparse.ArgumentTypeError(f'{text}: one of {", ".join(KINDS)}, = and a number')
     return kind, found
-
-
-def whole(text: str) -> int:
-    """Return a whole number of zero or more, for argparse."""
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f'{text} given, 0 or more expected')
-    return value
-
-
-def several(text: str) -> int:
-    """Return a whole number of two or more, for argparse."""
-    value = int(text)
-    if value < 2:
-        raise argparse.ArgumentTypeError(f'{text} given, 2 or more expected')
-    return value

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 
 
 def positive(text: str) -> float:
@@ -38,12 +39,19 @@ def sign(text: str) -> float:
     return value
 
 
-def counting(text: str) -> int:
-    """Return a whole number of one or more, for argparse."""
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f'{text} given, 1 or more expected')
-    return value
+def whole(least: int) -> Callable[[str], int]:
+    """Return what takes a whole number of `least` or more, for argparse."""
+
+    def number(text: str) -> int:
+        value = int(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f'{text} given, {least} or more expected')
+        return value
+
+    return number
+
+
+counting = whole(1)
 
 
 def scalable(parser: argparse.ArgumentParser) -> None:
