@@ -271,18 +271,19 @@ def latency_rows(found: dict[str, dict[str, dict[str, float]]]) -> list[tuple[st
     return table
 
 
-def viewer_rows(found: dict[str, dict[str, Any]] | str) -> list[tuple[str, str, str]]:
+def viewer_rows(found: list[dict[str, Any]] | str) -> list[tuple[str, str, str]]:
     """Return the table's rows of the viewer's latency in a browser."""
     title = 'viewer, slider to drawn path'
     if isinstance(found, str):
         return [(title, '', found)]
     return [
         (
-            f'{title}, {pixels} drawn: median, 95 %, worst',
+            f'{title}, {each["pixels"]}, '
+            f'{"smoothed" if each["samples"] else "plain"} edges: median, 95 %, worst',
             f'{", ".join(f"{1e3 * each[key]:.0f}" for key in ("median", "p95", "worst"))} ms',
             f'headless Chromium, drawn by {each["drawn by"]}',
         )
-        for pixels, each in found.items()
+        for each in found
     ]
 
 

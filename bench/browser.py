@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from ctypes.util import find_library
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +16,16 @@ import numpy as np
 UNIT = 10.0  # units of the viewer's scene in a metre
 PATIENCE = 60.0  # s: the longest that anything is waited for
 CHROMIUM = shutil.which('chromium')
-# drawn in software: slow, but the same everywhere
-DRAWING = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
+# drawn in software: slow, but the same everywhere; Mesa, where it is, takes half the time
+MESA = ['--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist']
+SWIFTSHADER = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
+HERE = find_library('EGL_mesa') and any(Path('/usr/lib').glob('*/dri/swrast_dri.so'))
+DRAWING = MESA if HERE else SWIFTSHADER
+SOFTWARE = {'EGL_PLATFORM': 'surfaceless', 'LIBGL_ALWAYS_SOFTWARE': '1'}
 # the rest of the page is quicker without what stands in for a graphics card
-DRAWING += ['--disable-gpu-rasterization', '--disable-gpu-compositing']
+PLAIN = ['--disable-gpu-rasterization', '--disable-gpu-compositing']
+# Chromium's own way with cards that are slow at it: edges are not smoothed
+ROUGH = ['--disable_chromium_framebuffer_multisample']
 ALONE = ['--no-sandbox', '--disable-background-networking', '--disable-component-update']
 TOLD = b'GuiUpdate'  # in what the page sends when something on its panel has changed
 WINDOW = {'width': 1280, 'height': 720}
@@ -125,15 +134,21 @@ class Page:
         with self.telling():
             self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
 
-    def slide(self, slider: int, degrees: float) -> None:
-        """Move a slider: press its track where about so many degrees are."""
+    def reach(self, slider: int, degrees: float) -> None:
+        """Take the pointer where about so many degrees are on a slider's track."""
         thumb = self.page.locator('[role=slider]').nth(slider)
         low, high = (float(thumb.get_attribute(f'aria-value{end}')) for end in ('min', 'max'))
         track = self.page.locator('.mantine-Slider-track').nth(slider).bounding_box()
         part = (degrees - low) / (high - low)
         middle = track['y'] + 0.5 * track['height']
+        self.page.mouse.move(track['x'] + part * track['width'], middle)
+
+    def slide(self, slider: int, degrees: float) -> None:
+        """Move a slider: press its track where about so many degrees are."""
+        self.reach(slider, degrees)
         with self.telling():
-            self.page.mouse.click(track['x'] + part * track['width'], middle)
+            self.page.mouse.down()
+            self.page.mouse.up()
 
     def type(self, slider: int, number: str) -> None:
         """Type a number beside a slider, and leave it at that."""
@@ -149,12 +164,14 @@ class Page:
 
 
 @contextmanager
-def browser() -> Iterator[Any]:
-    """Run the browser."""
+def browser(smooth: bool = False) -> Iterator[Any]:
+    """Run the browser; `smooth` edges, by multisampling, take a software several times as long."""
     from playwright.sync_api import sync_playwright
 
+    arguments = [*DRAWING, *PLAIN, *([] if smooth else ROUGH), *ALONE]
+    environment = {**os.environ, **SOFTWARE}
     with sync_playwright() as playwright:
-        made = playwright.chromium.launch(executable_path=CHROMIUM, args=[*DRAWING, *ALONE])
+        made = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments, env=environment)
         yield made
         made.close()
 

@@ -1,7 +1,9 @@
 """Slider to drawn path: the viewer and its node, in a real browser without a window.
 
 The time from the press on a slider's track, as the browser stamps it, until the pixels of the
-first frame with another path can be read back. Prints JSON: s, or why there is none.
+first frame with another path can be read back; the button is released after that. With and
+without smoothed edges, for which a browser without a graphics card takes several times as long.
+Prints JSON: s, or why there is none.
 """
 
 from __future__ import annotations
@@ -18,8 +20,9 @@ import numpy as np
 from browser import CHROMIUM, LINES, WINDOW, Page, browser, until
 
 COUNT = 60
-WARMING = 5  # before them: shaders are compiled with the first frames
+WARMING = 15  # before them: shaders and the page are compiled with the first frames
 PAUSE = 1000.0  # ms between presses: each finds the browser at rest
+PIXELS = 1.0  # drawn for each of the page's
 PLACES = (20.0, 60.0)  # deg, in turn
 WATCH = f"""() => {{
   const find = {LINES}, name = '/deltoid/bands/lines';
@@ -49,8 +52,9 @@ WATCH = f"""() => {{
 DRAWN_BY = """() => {
   const canvas = window.__viserMutable.canvas, gl = canvas.getContext('webgl2');
   const name = gl.getExtension('WEBGL_debug_renderer_info').UNMASKED_RENDERER_WEBGL;
-  const software = gl.getParameter(name).includes('SwiftShader');
-  return [software ? 'software (SwiftShader)' : gl.getParameter(name),
+  const found = gl.getParameter(name);
+  const software = ['llvmpipe', 'SwiftShader'].find(each => found.includes(each));
+  return [software ? `software (${software})` : found, gl.getParameter(gl.SAMPLES),
     `${canvas.width} x ${canvas.height}`];
 }"""
 
@@ -59,16 +63,18 @@ def times(page: Page) -> list[float]:
     """Return the times of all presses, s."""
     found = []
     for k in range(WARMING + COUNT):
+        page.reach(0, PLACES[k % 2])
         page.page.wait_for_timeout(PAUSE)
         page.page.evaluate(WATCH)
-        page.slide(0, PLACES[k % 2])
+        page.page.mouse.down()
         page.page.wait_for_function('typeof window.taken === "number"')
+        page.page.mouse.up()
         found.append(1e-3 * page.page.evaluate('window.taken'))
     return found[WARMING:]
 
 
-def measure(dpr: float) -> dict[str, Any]:
-    """Return median, 95th percentile and worst, s, with so many pixels for one of the page's."""
+def measure(smooth: bool) -> dict[str, Any]:
+    """Return median, 95th percentile and worst, s, and what was drawn by what."""
     command = [sys.executable, '-m', 'linkedplane_ros.viewer', '--node', '--port', '0']
     viewer = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
@@ -76,12 +82,12 @@ def measure(dpr: float) -> dict[str, Any]:
         found = re.search(r'open (http\S+)', viewer.stdout.readline())
         if not found:
             raise RuntimeError('the viewer did not start')
-        with browser() as chromium:
-            page = Page(chromium.new_page(viewport=WINDOW), found.group(1), dpr)
+        with browser(smooth) as chromium:
+            page = Page(chromium.new_page(viewport=WINDOW), found.group(1), PIXELS)
             if not until(lambda: len(page.lines()) > 0, 300.0):
                 raise RuntimeError('the viewer shows no muscle')
             taken = times(page)
-            drawn_by, pixels = page.page.evaluate(DRAWN_BY)
+            drawn_by, samples, pixels = page.page.evaluate(DRAWN_BY)
     finally:
         viewer.send_signal(signal.SIGINT)
         viewer.wait(10.0)
@@ -92,6 +98,7 @@ def measure(dpr: float) -> dict[str, Any]:
         'worst': worst,
         'count': COUNT,
         'pixels': pixels,
+        'samples': samples,
         'drawn by': drawn_by,
     }
 
@@ -104,8 +111,7 @@ def main() -> None:
         print(json.dumps('left out: chromium is not installed'))
         return
     try:
-        found = [measure(dpr) for dpr in (1.0, 0.5)]
-        print(json.dumps({each['pixels']: each for each in found}))
+        print(json.dumps([measure(smooth) for smooth in (False, True)]))
     except ImportError as error:
         print(json.dumps(f'left out: {error}'))
 

@@ -170,7 +170,7 @@ def main() -> None:
     """Take all of them."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
-    with viewer() as url, browser() as chromium:
+    with viewer() as url, browser(smooth=True) as chromium:
         page = Page(chromium.new_page(viewport=WINDOW), url, 1.0)
         until(lambda: len(page.lines()) > 0 and len(page.plots()) == 2)
         quiet(page)

@@ -350,8 +350,7 @@ def test_only_the_newest_is_handed_over_and_markers_once() -> None:
     fresh = Event()
     newest = Newest(fresh)
     for k in range(100):
-        newest.put_answer(None, lengths=np.full(9, k))
-        newest.put_markers(bytes([k]))
+        newest.put_answer([bytes([k])], None, lengths=np.full(9, k))
     assert fresh.is_set()
     _, values, messages = newest.take()
     assert values.lengths is not None

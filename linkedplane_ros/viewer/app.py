@@ -14,7 +14,7 @@ from .camera import Cameras, view
 from .geometry import Markers, apply, drawables
 from .look import Look, theme
 from .newest import Facts, Floats, Values
-from .node import FRAME, ViewerNode
+from .node import ViewerNode
 from .panel import MusclePanel
 from .plots import Plots
 from .saving import Saving
@@ -22,7 +22,7 @@ from .scene import MuscleScene
 from .table import table
 from .wire import markers
 
-IDLE = 0.02  # s between frames in which nothing has come
+IDLE = 0.03  # s between frames in which nothing has come
 WAITING = 'Waiting for a muscle: `ros2 run linkedplane_ros muscle_state_publisher`'
 TABLE = 0.2  # s between writings of the table
 
@@ -47,7 +47,7 @@ class Viewer:
         self._look: Look | None = None
         self._plots: Plots | None = None
         self._saving: Saving | None = None
-        self._written = 0.0
+        self._come = self._table_due = 0.0
         self._answered: list[int] = []
 
     def _build(self, muscles: dict[str, Facts]) -> None:
@@ -101,14 +101,12 @@ class Viewer:
         return lambda angles, speeds: self._node.move(prefix, facts, angles, speeds)
 
     def run(self, going: Callable[[], bool]) -> None:
-        """Draw as long as it is going: whenever something has come, but once a frame at most."""
+        """Draw as long as it is going: whenever the node has something new, once a frame."""
         fresh, loop = self._node.fresh, self._server.get_event_loop()
         while going():
             fresh.wait(IDLE)
             fresh.clear()
-            begun = time.monotonic()
-            asyncio.run_coroutine_threadsafe(self._frame(begun), loop).result()
-            time.sleep(max(begun + FRAME - time.monotonic(), 0.0))
+            asyncio.run_coroutine_threadsafe(self._frame(time.monotonic()), loop).result()
 
     async def _frame(self, now: float) -> None:
         taken = {prefix: reader.newest.take() for prefix, reader in self._node.readers.items()}
@@ -124,18 +122,22 @@ class Viewer:
         with self._server.atomic():
             for prefix in facts:
                 self._draw(prefix, newest[prefix], taken[prefix][2])
-        self._server.flush()
+        if any(taken[prefix][2] for prefix in facts):
+            self._server.flush()
         for prefix in facts:
             self._panels[prefix].tick(newest[prefix])
         self._look.write_legend(next(iter(facts.values())))
         answered = [values.answered for values in newest.values()]
         if answered != self._answered:
             self._answered = answered
+            if now > self._come + TABLE:  # after a rest the scene goes first
+                self._table_due = now + TABLE
+            self._come = now
             self._plots.add(now, list(newest.values()))
         self._plots.draw(now, self._look.coordinate)
         await self._saving.frame(now)
-        if now > self._written + TABLE:
-            self._written = now
+        if now > self._table_due:
+            self._table_due = now + TABLE
             self._table.content = ''.join(
                 table(f, newest[p], self._look.coordinate, interfering(self._markers.get(p, {})))
                 for p, f in facts.items()

@@ -115,22 +115,17 @@ class Newest:
         self._facts: Facts | None = None
         self._messages: deque[bytes] = deque(maxlen=MARKERS_KEPT)
 
-    def put(self, **values: Any) -> None:
-        """Take values in, by their names in Values."""
+    def put(self, messages: Sequence[bytes] = (), **values: Any) -> None:
+        """Take serialised MarkerArrays in, and values by their names in Values."""
         with self._lock:
             self._values = replace(self._values, **values)
+            self._messages.extend(messages)
         self._fresh.set()
 
-    def put_answer(self, pose: Floats | None, **values: Any) -> None:
-        """Take in the values of a state and the angles (3,), rad, that they belong to."""
+    def put_answer(self, messages: Sequence[bytes], pose: Floats | None, **values: Any) -> None:
+        """Take in a state: markers, values and the angles (3,), rad, that it belongs to."""
         with self._lock:
-            self.put(pose=pose, answered=self._values.answered + 1, **values)
-
-    def put_markers(self, message: bytes) -> None:
-        """Take a serialised MarkerArray in."""
-        with self._lock:
-            self._messages.append(message)
-        self._fresh.set()
+            self.put(messages, pose=pose, answered=self._values.answered + 1, **values)
 
     def put_facts(self, facts: Facts) -> None:
         """Take in what the muscle is."""

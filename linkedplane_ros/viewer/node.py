@@ -28,7 +28,7 @@ from ..joint_input import JointMemory, Rejected
 from .newest import MARKERS_KEPT, Facts, Floats, Newest
 
 FRAME = 1.0 / 60.0  # s: no screen needs to be told more often
-GATHER, GATHERINGS = 0.002, 3  # s between looks for the rest of an answer, and how many of them
+GATHER, GATHERINGS = 0.001, 12  # s between looks for the rest of an answer, and how many of them
 LOOK = 0.5  # s between looks at what is there
 POSES_KEPT = 64  # joint states, to find the pose that an answer belongs to
 MARKER_ARRAY, LENGTHS = 'visualization_msgs/msg/MarkerArray', 'std_msgs/msg/Float64MultiArray'
@@ -60,9 +60,10 @@ class MuscleReader:
         """Subscribe its topics (`/deltoid/...`)."""
         self.newest = Newest(fresh)
         self.publisher: Publisher | None = None
-        self.taken = self.shown = 0
+        self.taken = 0
         self._pending: dict[str, Any] = {}
         self._states: JointState | None = None
+        self._markers: list[bytes] = []
         self._node = node
         self._prefix = prefix
         self._labels: tuple[tuple[str, ...], tuple[str, ...]] | None = None
@@ -82,7 +83,7 @@ class MuscleReader:
         self._subscribe(
             MarkerArray,
             f'{prefix}/markers',
-            self._take_markers,
+            self._markers.append,
             QoSProfile(depth=MARKERS_KEPT),
             raw=True,
         )
@@ -114,10 +115,6 @@ class MuscleReader:
     def _take_states(self, message: JointState) -> None:
         self._states = message
 
-    def _take_markers(self, message: bytes) -> None:
-        self.shown += 1
-        self.newest.put_markers(message)
-
     def _take_wrap(self, message: UInt8MultiArray) -> None:
         self._pending['wrap'] = np.array(message.data, np.uint8)
 
@@ -133,18 +130,27 @@ class MuscleReader:
 
     @property
     def waiting(self) -> bool:
-        """Whether an answer has come that is not handed over."""
-        return self._states is not None or 'arms' in self._pending
+        """Whether something of an answer has come that is not handed over."""
+        return self._states is not None or 'arms' in self._pending or self.complete
+
+    @property
+    def complete(self) -> bool:
+        """Whether the markers have come, the last of an answer."""
+        return bool(self._markers)
 
     def hand_over(self) -> None:
         """Hand over what has come since the last time, all at once: it belongs together."""
+        messages = self._markers.copy()
+        self._markers.clear()
         if self._states is not None:
             stamp = self._states.header.stamp
             self._pending['lengths'] = np.array(self._states.position)
             pose = self._poses.get((stamp.sec, stamp.nanosec))
             self._states = None
-            self.newest.put_answer(pose, **self._pending)
+            self.newest.put_answer(messages, pose, **self._pending)
             self._pending = {}
+        elif messages:
+            self.newest.put(messages)
 
     def _tell(self) -> None:
         """Let it be known what the muscle is, as far as that is known."""
@@ -273,16 +279,13 @@ class ViewerNode(Node):
 
     def _gather(self, executor: SingleThreadedExecutor) -> None:
         """Take all that there is of an answer; wait a little for the markers, its last."""
-        before = self._count('shown')
+        readers = self.readers.values()
         for _ in range(GATHERINGS):
             time.sleep(GATHER)
             taken = -1
-            while taken != (taken := self._count('taken')):
+            while taken != (taken := sum(reader.taken for reader in readers)):
                 executor.spin_once(timeout_sec=0.0)
-            if self._count('shown') != before:
+            if all(reader.complete or not reader.waiting for reader in readers):
                 break
-        for reader in self.readers.values():
+        for reader in readers:
             reader.hand_over()
-
-    def _count(self, what: str) -> int:
-        return sum(getattr(reader, what) for reader in self.readers.values())

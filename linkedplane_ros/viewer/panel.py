@@ -12,7 +12,7 @@ import viser
 from .motions import Arm, poses, ranges
 from .newest import Facts, Floats, Values
 
-SETTLED = 0.06  # s without a move after which the arm is at rest
+SETTLED = 0.15  # s without a move after which the arm is at rest
 HEARTBEAT = 1.0  # s between joint states at rest: a node that comes back learns the pose from them
 SHOWN = 0.05  # s between moves of the sliders by something else than a hand
 SILENT = 3.0  # s without an answer after which a node that was told something is taken for dead
