@@ -1,8 +1,8 @@
 """Slider to drawn path: the viewer and its node, in a real browser without a window.
 
-The time from the press on a slider's track, as the browser stamps it, until the pixels of the
-first frame with another path can be read back; the button is released after that. With and
-without smoothed edges, for which a browser without a graphics card takes several times as long.
+A slider is held and moved, again and again, after a rest: the time from the pointer's move, as the
+browser stamps it, until the pixels of the first frame with another path can be read back. With
+and without smoothed edges, which cost a browser without a graphics card several times as much.
 Prints JSON: s, or why there is none.
 """
 
@@ -20,17 +20,17 @@ import numpy as np
 from browser import CHROMIUM, LINES, WINDOW, Page, browser, until
 
 COUNT = 60
-WARMING = 15  # before them: shaders and the page are compiled with the first frames
-PAUSE = 1000.0  # ms between presses: each finds the browser at rest
+WARMING = 10  # before them: shaders and the page are compiled with the first frames
+PAUSES = np.random.default_rng(0).uniform(600.0, 1800.0, WARMING + COUNT)  # ms of rest
 PIXELS = 1.0  # drawn for each of the page's
 PLACES = (20.0, 60.0)  # deg, in turn
 WATCH = f"""() => {{
   const find = {LINES}, name = '/deltoid/bands/lines';
   const node = () => window.__viserMutable.nodeRefFromName[name];
   const before = find(name);
-  let done = false;  // a hook of an earlier press is still there
+  let done = false;  // a hook of an earlier move is still there
   window.taken = null;
-  addEventListener('pointerdown', event => {{
+  addEventListener('pointermove', event => {{
     const hook = () => node().traverse(each => {{
       each.onAfterRender = (renderer, scene, camera, geometry) => {{
         if (done || geometry === before || !geometry.attributes.instanceStart) return;
@@ -60,15 +60,15 @@ DRAWN_BY = """() => {
 
 
 def times(page: Page) -> list[float]:
-    """Return the times of all presses, s."""
+    """Return the times of all moves, s."""
+    page.reach(0, PLACES[1])
+    page.page.mouse.down()
     found = []
     for k in range(WARMING + COUNT):
-        page.reach(0, PLACES[k % 2])
-        page.page.wait_for_timeout(PAUSE)
+        page.page.wait_for_timeout(PAUSES[k])
         page.page.evaluate(WATCH)
-        page.page.mouse.down()
+        page.reach(0, PLACES[k % 2])
         page.page.wait_for_function('typeof window.taken === "number"')
-        page.page.mouse.up()
         found.append(1e-3 * page.page.evaluate('window.taken'))
     return found[WARMING:]
 

@@ -158,7 +158,8 @@ class Viewer:
         key = hidden, look.axes, None if colours is None else [c.tolist() for c in colours.values()]
         if messages or key != self._colours.get(prefix):
             self._colours[prefix] = key
-            self._scenes[prefix].draw(drawables(there, colours), hidden)
+            seen = {at: each for at, each in there.items() if at[0] not in hidden}
+            self._scenes[prefix].draw(drawables(seen, colours))
             self._scenes[prefix].show_axes(look.axes)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -81,18 +80,15 @@ class MuscleScene:
         for label in self._labels:
             label.visible = shown
 
-    def draw(self, drawables: dict[str, Drawable], hidden: Iterable[str]) -> None:
-        """Draw these and nothing else; `hidden` are the namespaces that are not to be seen."""
-        shown = {
-            name: each for name, each in drawables.items() if name.split('/')[0] not in set(hidden)
-        }
-        for name, each in shown.items():
+    def draw(self, drawables: dict[str, Drawable]) -> None:
+        """Draw these and nothing else."""
+        for name, each in drawables.items():
             if name not in self._handles:
                 self._handles[name] = self._added(name, each)
             else:
                 update(self._handles[name], each)
         for name, handle in self._handles.items():
-            handle.visible = name in shown
+            handle.visible = name in drawables
 
     def _added(self, name: str, drawable: Drawable) -> Any:
         """Add a thing to the scene."""
