@@ -29,6 +29,7 @@ from .newest import MARKERS_KEPT, Facts, Floats, Newest
 
 FRAME = 1.0 / 60.0  # s: no screen needs to be told more often
 GATHER, GATHERINGS = 0.001, 12  # s between looks for the rest of an answer, and how many of them
+ANSWER = 8  # messages: more are a stream that is quicker than its markers
 LOOK = 0.5  # s between looks at what is there
 POSES_KEPT = 64  # joint states, to find the pose that an answer belongs to
 MARKER_ARRAY, LENGTHS = 'visualization_msgs/msg/MarkerArray', 'std_msgs/msg/Float64MultiArray'
@@ -280,12 +281,18 @@ class ViewerNode(Node):
     def _gather(self, executor: SingleThreadedExecutor) -> None:
         """Take all that there is of an answer; wait a little for the markers, its last."""
         readers = self.readers.values()
+        enough = self._taken + ANSWER * len(readers)
         for _ in range(GATHERINGS):
             time.sleep(GATHER)
-            taken = -1
-            while taken != (taken := sum(reader.taken for reader in readers)):
+            before = -1
+            while before != (before := self._taken):
                 executor.spin_once(timeout_sec=0.0)
-            if all(reader.complete or not reader.waiting for reader in readers):
+            whole = all(reader.complete or not reader.waiting for reader in readers)
+            if whole or self._taken > enough:
                 break
         for reader in readers:
             reader.hand_over()
+
+    @property
+    def _taken(self) -> int:
+        return sum(reader.taken for reader in self.readers.values())
