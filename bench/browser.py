@@ -19,8 +19,8 @@ CHROMIUM = shutil.which('chromium')
 # drawn in software: slow, but the same everywhere; Mesa, where it is, takes half the time
 MESA = ['--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist']
 SWIFTSHADER = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
-HERE = find_library('EGL_mesa') and any(Path('/usr/lib').glob('*/dri/swrast_dri.so'))
-DRAWING = MESA if HERE else SWIFTSHADER
+DRIVERS = Path('/usr/lib').glob('*/dri/swrast_dri.so')
+DRAWING = MESA if find_library('EGL_mesa') and any(DRIVERS) else SWIFTSHADER
 SOFTWARE = {'EGL_PLATFORM': 'surfaceless', 'LIBGL_ALWAYS_SOFTWARE': '1'}
 # the rest of the page is quicker without what stands in for a graphics card
 PLAIN = ['--disable-gpu-rasterization', '--disable-gpu-compositing']
@@ -165,7 +165,7 @@ class Page:
 
 @contextmanager
 def browser(smooth: bool = False) -> Iterator[Any]:
-    """Run the browser; `smooth` edges, by multisampling, take a software several times as long."""
+    """Run the browser; edges are `smooth` by multisampling, which is slow in software."""
     from playwright.sync_api import sync_playwright
 
     arguments = [*DRAWING, *PLAIN, *([] if smooth else ROUGH), *ALONE]

@@ -24,7 +24,6 @@ from .wire import markers
 
 IDLE = 0.03  # s between frames in which nothing has come
 WAITING = 'Waiting for a muscle: `ros2 run linkedplane_ros muscle_state_publisher`'
-TABLE = 0.2  # s between writings of the table
 
 
 class Viewer:
@@ -47,7 +46,6 @@ class Viewer:
         self._look: Look | None = None
         self._plots: Plots | None = None
         self._saving: Saving | None = None
-        self._come = self._table_due = 0.0
         self._answered: list[int] = []
 
     def _build(self, muscles: dict[str, Facts]) -> None:
@@ -130,18 +128,13 @@ class Viewer:
         answered = [values.answered for values in newest.values()]
         if answered != self._answered:
             self._answered = answered
-            if now > self._come + TABLE:  # after a rest the scene goes first
-                self._table_due = now + TABLE
-            self._come = now
             self._plots.add(now, list(newest.values()))
-        self._plots.draw(now, self._look.coordinate)
-        await self._saving.frame(now)
-        if now > self._table_due:
-            self._table_due = now + TABLE
+        if self._plots.draw(now, self._look.coordinate):
             self._table.content = ''.join(
                 table(f, newest[p], self._look.coordinate, interfering(self._markers.get(p, {})))
                 for p, f in facts.items()
             )
+        await self._saving.frame(now)
 
     def _draw(self, prefix: str, newest: Values, messages: list[bytes]) -> None:
         """Bring one muscle of the scene up to date."""

@@ -129,16 +129,19 @@ class Plots:
             self._first = now
         self._rows, self._last = self._rows + 1, now
 
-    def draw(self, now: float, coordinate: int) -> None:
-        """Draw what there is; the moment arms are those about a coordinate (0, 1, 2)."""
+    def draw(self, now: float, coordinate: int) -> bool:
+        """Draw what there is, if it is new and it is time; return whether that was so.
+
+        The moment arms are those about a coordinate (0, 1, 2).
+        """
         axis = self._axis.value
         known = self._rows == self._rows_drawn and self._shown == (axis, coordinate)
         if known or not self._lines or now < min(self._first + FRESH, self._last + REST):
-            return
+            return False
         self._rows_drawn = self._rows
         table = self._table(axis, coordinate)
         if len(table) < 2:
-            return
+            return True
         values = table[:, 1:].reshape(len(table), -1, 4)
         data = [
             (table[:, 0], *np.ascontiguousarray(values[:, :, k].T)) for k in (0, 1 + coordinate)
@@ -152,6 +155,7 @@ class Plots:
         else:
             for plot, each in zip(self._plots, data, strict=True):
                 plot.data = each
+        return True
 
     def _table(self, axis: str, coordinate: int) -> Floats:
         """Return the rows to be drawn: x, then length and three arms of each head, mm."""
