@@ -29,7 +29,7 @@ test: .venv/.rivals check workspace  ## run all checks and tests
 
 # Alone: the browser draws without a graphics card, and takes the machine for itself.
 browser: .venv/.made  ## test the viewer in Chromium; part of make test
-	$(BIN)/python -m pytest -m browser test/test_viewer.py
+	$(BIN)/python -m pytest -m browser test/viewer/test_viewer.py
 
 bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node beside a pass-through
 	@$(BIN)/python bench/bench.py
@@ -41,9 +41,10 @@ soak: .venv/.made  ## feed the node at 1 kHz for five minutes: all answered, mem
 # NumPy for Python 3.10 has other, looser types.
 OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))
 
-check: .venv/.made  ## style and types
+check: .venv/.made  ## style, types, and who imports whom
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/python doc/house.py
 	$(BIN)/python -c '$(OLD_NUMPY)' || $(BIN)/mypy
 
 # colcon test runs only what has to be seen from a built workspace (executables, installed files);
@@ -52,7 +53,7 @@ workspace: .venv/.made  ## build the package with colcon and test what it instal
 	rm -rf build/colcon
 	$(COLCON) build --paths . $(SPACES) --event-handlers console_direct- console_cohesion-
 	$(COLCON) test --paths . $(SPACES) --event-handlers console_direct+ \
-	  --pytest-args -m workspace test/test_packaging.py
+	  --pytest-args -m workspace test/packaging/test_packaging.py
 	$(COLCON) test-result --test-result-base build/colcon/build --verbose
 
 clean:  ## remove all that make has made

@@ -65,10 +65,10 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'muscle_state_publisher = linkedplane_ros.executables:muscle_state_publisher',
-            'muscle_viewer = linkedplane_ros.executables:muscle_viewer',
-            'linkedplane = linkedplane_ros.cli:main',
-            'linkedplane_demo = linkedplane_ros.executables:demo',
+            'muscle_state_publisher = linkedplane_ros.node.__main__:main',
+            'muscle_viewer = linkedplane_ros.viewer.__main__:main',
+            'linkedplane = linkedplane_ros.commands.main:main',
+            'linkedplane_demo = linkedplane_ros.commands.demo:main',
         ],
     },
 )

@@ -22,9 +22,10 @@ import criterion
 import numpy as np
 import recordings
 
-from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, solver
-from linkedplane_ros.compiled import COMPILED
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.linked_planes.compiled import COMPILED
 from linkedplane_ros.rivals.cost import best
+from linkedplane_ros.solver import linked_plane_solver as solver
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 POSE = np.array((0.5, 0.4, 0.2))  # rad

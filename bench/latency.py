@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from linkedplane_ros import ros_environment
+from linkedplane_ros.node import environment
 
-ros_environment.prepare()
+environment.prepare()
 
 import rclpy  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
@@ -36,7 +36,7 @@ TURNS = 10  # of each node at each rate
 MATCH = 60.0  # s to wait for the nodes to be found; the first may have to compile
 NAMES = ['flexion', 'abduction', 'rotation']
 NODES = {
-    'ours': [sys.executable, '-m', 'linkedplane_ros.executables'],
+    'ours': [sys.executable, '-m', 'linkedplane_ros.node'],
     'pass-through': [sys.executable, str(HERE / 'pass_through.py')],
 }
 

@@ -11,9 +11,10 @@ from time import perf_counter
 
 import numpy as np
 
-from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ros_environment
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.node import environment
 
-ros_environment.prepare()
+environment.prepare()
 
 import rclpy  # noqa: E402
 from rclpy.event_handler import (  # noqa: E402
@@ -24,11 +25,11 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor  #
 from rclpy.node import Node  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
-from linkedplane_ros import qos  # noqa: E402
-from linkedplane_ros.conversions import Answers  # noqa: E402
-from linkedplane_ros.markers import MuscleMarkers  # noqa: E402
-from linkedplane_ros.muscle_outputs import OUTPUTS  # noqa: E402
-from linkedplane_ros.shapes import Pace  # noqa: E402
+from linkedplane_ros.drawing.shapes import Pace  # noqa: E402
+from linkedplane_ros.node import qos  # noqa: E402
+from linkedplane_ros.node.markers import MuscleMarkers  # noqa: E402
+from linkedplane_ros.node.messages import Answers  # noqa: E402
+from linkedplane_ros.node.outputs import OUTPUTS  # noqa: E402
 
 
 class PassThrough(Node):

@@ -13,9 +13,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from linkedplane_ros.process import Task, run
-from linkedplane_ros.recordings import JOINT_STATE
-from linkedplane_ros.serialized import JointStates
+from linkedplane_ros.processing.cdr import JointStates
+from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.recordings.bags import JOINT_STATE
 
 FRAMES = 20_000
 ROUNDS = 4

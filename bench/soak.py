@@ -13,9 +13,9 @@ import sys
 import time
 from pathlib import Path
 
-from linkedplane_ros import ros_environment
+from linkedplane_ros.node import environment
 
-ros_environment.prepare()
+environment.prepare()
 
 import rclpy  # noqa: E402
 from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
@@ -29,7 +29,7 @@ RATE = 1000  # Hz
 WARM_UP = 60.0  # s after which memory has to be flat
 GROWTH = 1.0  # MiB
 NAMES = ['flexion', 'abduction', 'rotation']
-COMMAND = [sys.executable, '-m', 'linkedplane_ros.executables', '--ros-args']
+COMMAND = [sys.executable, '-m', 'linkedplane_ros.node', '--ros-args']
 for policy, value in (('reliability', 'reliable'), ('depth', '10000')):
     COMMAND += ['-p', f'qos_overrides./joint_states.subscription.{policy}:={value}']
 

@@ -15,8 +15,8 @@ import numpy as np
 from recordings import NAMES, STORE
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from linkedplane_ros.recordings import JOINT_STATE
-from linkedplane_ros.serialized import JointStates
+from linkedplane_ros.processing.cdr import JointStates
+from linkedplane_ros.recordings.bags import JOINT_STATE
 
 RATE = 100  # Hz
 LIMIT = 300.0  # MiB
@@ -44,7 +44,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_long(folder / 'long', frames)
-        command = ['-m', 'linkedplane_ros.cli', 'process', str(folder / 'long')]
+        command = ['-m', 'linkedplane_ros.commands', 'process', str(folder / 'long')]
         subprocess.run([sys.executable, *command, str(folder / 'out')], check=True)
         made = sum(each.stat().st_size for each in (folder / 'out').iterdir())
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024

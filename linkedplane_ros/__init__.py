@@ -9,36 +9,48 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .conventions import JOINT_CONVENTIONS, JointConvention
-    from .model import BroadMuscle, Head, Landmark, ModelError
-    from .solver import LinkedPlaneSolver, MuscleState, MuscleStates, WrapState
+    from .errors import LinkedPlaneError, ModelError, RecordingError
+    from .joints.conventions import JOINT_CONVENTIONS, JointConvention
+    from .muscle.broad_muscle import BroadMuscle, Head, Landmark
+    from .solver.linked_plane_solver import LinkedPlaneSolver, MuscleState, MuscleStates, WrapState
 
+__version__ = '0.1.0'
 __all__ = [
     'JOINT_CONVENTIONS',
     'BroadMuscle',
     'Head',
     'JointConvention',
     'Landmark',
+    'LinkedPlaneError',
     'LinkedPlaneSolver',
     'ModelError',
     'MuscleState',
     'MuscleStates',
+    'RecordingError',
     'WrapState',
 ]
-__version__ = '0.1.0'
 
-_MODULES = ('conventions', 'model', 'solver')
+_PLACES = {
+    'errors': ('LinkedPlaneError', 'ModelError', 'RecordingError'),
+    'joints.conventions': ('JOINT_CONVENTIONS', 'JointConvention'),
+    'muscle.broad_muscle': ('BroadMuscle', 'Head', 'Landmark'),
+    'solver.linked_plane_solver': (
+        'LinkedPlaneSolver',
+        'MuscleState',
+        'MuscleStates',
+        'WrapState',
+    ),
+}
+_PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name from the module that has it."""
-    if name in __all__:
-        for module in _MODULES:
-            found = getattr(import_module(f'.{module}', __name__), name, None)
-            if found is not None:
-                globals()[name] = found
-                return found
-    raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    if name not in _PLACE:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    found = getattr(import_module(f'.{_PLACE[name]}', __name__), name)
+    globals()[name] = found
+    return found
 
 
 def __dir__() -> list[str]:

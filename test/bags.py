@@ -18,8 +18,8 @@ from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 from visualization_msgs.msg import MarkerArray
 
-from linkedplane_ros.cli import main
-from linkedplane_ros.node import MuscleStatePublisher
+from linkedplane_ros.commands.main import main
+from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
 NAMES = ('flexion', 'abduction', 'rotation')
 BAG = Path(__file__).parent.parent / 'msg_examples' / 'arm_raise'

@@ -15,7 +15,7 @@ import pytest
 if TYPE_CHECKING:
     from ros_harness import Peer
 
-    from linkedplane_ros.node import MuscleStatePublisher
+    from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
 SHARED_MEMORY = Path('/dev/shm')
 SEGMENT = re.compile(r'fastrtps_[0-9a-f]{16}')  # Fast DDS; each has a lock file beside it, .._el
@@ -79,7 +79,7 @@ def node(peer: Peer) -> Iterator[MuscleStatePublisher]:
     """Run the node in this process, beside its peer."""
     from ros_harness import together
 
-    from linkedplane_ros.node import MuscleStatePublisher
+    from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
     made = MuscleStatePublisher()
     with together(peer, made):

@@ -42,7 +42,7 @@ class NodeProcess:
         """
         parameters.setdefault('qos_overrides./joint_states.subscription.reliability', 'reliable')
         given = [part for item in parameters.items() for part in ('-p', '{}:={}'.format(*item))]
-        command = [sys.executable, '-m', 'linkedplane_ros.executables', '--ros-args']
+        command = [sys.executable, '-m', 'linkedplane_ros.node', '--ros-args']
         command += [*arguments, *given]
         self.log = log
         compiled = {key: v for key, v in os.environ.items() if key != 'LINKEDPLANE_COMPILE'}

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..conventions import JOINT_CONVENTIONS
-from ..model import BroadMuscle
-from ..model_check import DEFAULT_RANGE
-from ..sections import Section
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..muscle.broad_muscle import BroadMuscle
+from ..muscle.mapping import Section
+from ..solver.check import DEFAULT_RANGE
 from .values import counting, finite, not_negative, positive, whole
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
     add = parser.add_argument
     add('model', metavar='MODEL', help='where to start: a bundled model or a .yaml file')
-    add('data', metavar='DATA.csv', help='measured lengths and moment arms (docs/fitting.md)')
+    add('data', metavar='DATA.csv', help='measured lengths and moment arms (doc/fitting.md)')
     add('out', metavar='OUT.yaml', help='the fitted model; its report stands beside it')
     what = parser.add_argument_group('what is fitted')
     add = what.add_argument

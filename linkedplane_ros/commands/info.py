@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..model import BroadMuscle
+from ..muscle.broad_muscle import BroadMuscle
 from .values import scalable
 
 
@@ -21,14 +21,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Print a muscle model."""
-    from ..model_report import report, schema_line
+    from ..solver.report import report, schema_line
 
     if args.schema:
         print(schema_line())
         return
     muscle = BroadMuscle.load(args.muscle).scaled(args.scale)
     if args.png is not None:
-        from ..model_picture import save
+        from ..drawing.picture import save
 
         save(muscle, Path(args.png))
     print(*report(muscle), sep='\n')

@@ -26,7 +26,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Play a recording's joint states."""
-    from ..recordings import Recording
+    from ..recordings.bags import Recording
 
     recording = Recording.open(args.bag)
     length = 1e-9 * (recording.end - recording.start)
@@ -34,14 +34,14 @@ def run(args: argparse.Namespace) -> None:
         raise ValueError(
             f'--start-offset: {args.start_offset:g} s given, the recording lasts {length:.1f} s'
         )
-    from .. import ros_environment
+    from ..node import environment
 
-    ros_environment.prepare()
+    environment.prepare()
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    from ..play import Pace
-    from ..play import play as play_recording
+    from ..node.play import Pace
+    from ..node.play import play as play_recording
 
     pace = Pace(
         args.rate, args.loop, args.start_offset, args.clock or 0.0, args.wait, args.subscribers

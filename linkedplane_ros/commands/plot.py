@@ -18,9 +18,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Draw a processed recording: lengths, moment arms and wrap states."""
-    from ..inputs import plain_name
-    from ..plot import save
-    from ..processed import read
+    from ..drawing.plot import save
+    from ..processing.inputs import plain_name
+    from ..processing.reading import read
 
     source = Path(args.output) if Path(args.output).name else Path(args.output).resolve()
     out = Path(args.out) if args.out else source.with_name(plain_name(source))

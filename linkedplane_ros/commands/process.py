@@ -10,11 +10,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..conventions import JOINT_CONVENTIONS, SIDES
+from ..joints.conventions import JOINT_CONVENTIONS, SIDES
 from .values import counting, positive, scalable, sign
 
 if TYPE_CHECKING:
-    from ..process import Report
+    from ..processing.task import Report
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -63,10 +63,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
-    from ..frames import Bones
-    from ..inputs import recordings
-    from ..inputs import tasks as tasks_of
-    from ..workers import run_all
+    from ..processing.inputs import recordings
+    from ..processing.inputs import tasks as tasks_of
+    from ..processing.workers import run_all
+    from ..recordings.frames import Bones
 
     if args.rhythm is not None and args.thorax is None:
         raise ValueError('--rhythm: for angles against the thorax alone (--thorax)')

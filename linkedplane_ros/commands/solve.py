@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from ..conventions import JOINT_CONVENTIONS, SIDES
-from ..model import BroadMuscle
-from ..solver import LinkedPlaneSolver, WrapState
+from ..joints.conventions import JOINT_CONVENTIONS, SIDES
+from ..muscle.broad_muscle import BroadMuscle
+from ..solver.linked_plane_solver import LinkedPlaneSolver, WrapState
 from .values import scalable
 
 

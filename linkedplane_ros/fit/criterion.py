@@ -18,14 +18,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from ..conventions import JOINT_CONVENTIONS
-from ..linked_planes import BAND_VECTORS, FIRST_BAND
-from ..model import BroadMuscle
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..linked_planes.chain import BAND_VECTORS, FIRST_BAND
+from ..muscle.broad_muscle import BroadMuscle
+from ..types import Floats
 from .data import Data
 from .kernel import evaluate
 from .parameters import Space, flat_numbers
-
-Floats = npt.NDArray[np.float64]
 
 MM = 1e3  # millimetres in a metre
 PENALTY = 100.0  # mm^-2

@@ -1,4 +1,4 @@
-"""Measured lengths and moment arms, read from a table (docs/fitting.md)."""
+"""Measured lengths and moment arms, read from a table (doc/fitting.md)."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
-from ..conventions import JOINT_CONVENTIONS, JointConvention, turn
-from ..model import BroadMuscle
-from ..recordings import RecordingError
-from ..tables import csv_rows, lines_of, listed, number, place
-
-Floats = npt.NDArray[np.float64]
+from ..errors import RecordingError
+from ..joints.conventions import JOINT_CONVENTIONS, JointConvention, turn
+from ..muscle.broad_muscle import BroadMuscle
+from ..recordings.tables import csv_rows, lines_of, listed, number, place
+from ..types import Floats
 
 # Turns from the arm at the side about an axis that stays in the scapula (thesis ch. 5): x lateral,
 # y anterior, z superior, right-handed; scaption about the axis 30 deg lateral of posterior.

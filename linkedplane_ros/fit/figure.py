@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..colours import HEAD_COLOURS, Colour
-from ..plot import STYLE, library, write
+from ..drawing.colours import HEAD_COLOURS
+from ..drawing.plot import STYLE, library, write
+from ..types import Colour
 from .criterion import MM
 from .report import Outcome, mean
 

@@ -11,15 +11,13 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from .. import __version__
-from ..model_writing import content
+from ..muscle.writing import content
+from ..types import Floats
 from .criterion import Criterion, posed
 from .polish import polished
 from .swarm import Swarm, scattered
-
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

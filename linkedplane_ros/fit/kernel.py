@@ -11,12 +11,8 @@ from collections.abc import Callable
 from math import cos, inf, sin
 from typing import Any
 
-from ..band import PIERCED
-from ..band_path import deepest, halfway, path_of
-from ..compiled import compiled, entry, fingerprint
-from ..kernels import rows_of
-from ..least_length import solve_theta
-from ..linked_planes import (
+from ..linked_planes.band import PIERCED
+from ..linked_planes.chain import (
     BAND_VECTORS,
     FIRST_BAND,
     GROUND,
@@ -33,8 +29,12 @@ from ..linked_planes import (
     state_at,
     vector,
 )
-from ..moment_vectors import muscle_state
-from ..vectors import ZERO, cross, dot, minus, norm, times
+from ..linked_planes.compiled import compiled, entry, fingerprint
+from ..linked_planes.least_length import solve_theta
+from ..linked_planes.moment_vectors import muscle_state
+from ..linked_planes.path import deepest, halfway, path_of
+from ..linked_planes.vectors import ZERO, cross, dot, minus, norm, times
+from ..solver.kernels import rows_of
 
 ANGLE = 10  # where phi stands among the numbers of a band
 

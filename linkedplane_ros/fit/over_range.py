@@ -6,17 +6,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from ..conventions import JOINT_CONVENTIONS
-from ..model import BroadMuscle
-from ..model_check import DEFAULT_RANGE
-from ..solver import LinkedPlaneSolver, WrapState
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..muscle.broad_muscle import BroadMuscle
+from ..solver.check import DEFAULT_RANGE
+from ..solver.linked_plane_solver import LinkedPlaneSolver, WrapState
+from ..types import Floats, Intervals
 from .criterion import grid, posed, side_of, spheres_of
 from .parameters import flat_numbers
-
-Floats = npt.NDArray[np.float64]
-Ranges = tuple[tuple[float, float], ...]
 
 STEPS = (math.radians(10.0), math.radians(10.0), math.radians(10.0))
 RANDOM = 2000  # poses beside the grid's
@@ -29,7 +26,7 @@ CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
 class OverRange:
     """A model at m poses of its range: a grid, then random ones; and on ways through it."""
 
-    ranges: Ranges
+    ranges: Intervals
     angles: Floats
     """(m, 3) flexion, abduction, rotation, rad"""
     depths: Floats

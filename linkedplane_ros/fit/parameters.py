@@ -15,14 +15,12 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
-import numpy.typing as npt
 
-from ..definition import METRES, RADIANS, Curve, Definition, Listed, Polynomial
-from ..linked_planes import BAND_VECTORS, FIRST_BAND
-from ..solver import CODES
+from ..linked_planes.chain import BAND_VECTORS, FIRST_BAND
+from ..muscle.definition import METRES, RADIANS, Curve, Definition, Listed, Polynomial
+from ..solver.linked_plane_solver import CODES
+from ..types import Floats
 from .kernel import ANGLE, combined
-
-Floats = npt.NDArray[np.float64]
 
 THESIS = ('sphere.centre', 'sphere.radius', 'plane_angle', 'humeral_point')
 """What the thesis fitted: 25 coefficients and the distance of HM (ch. 5)."""

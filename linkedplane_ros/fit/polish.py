@@ -6,11 +6,10 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import numpy.typing as npt
 
+from ..types import Floats
 from .swarm import INSTALL
 
-Floats = npt.NDArray[np.float64]
 Residuals = Callable[[Floats], 'Floats | float']
 
 STEP = 1e-6  # of the unit box: a derivative by differences is then good to some 1e-6 of itself

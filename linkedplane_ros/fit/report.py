@@ -7,14 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from ..model import BroadMuscle
+from ..muscle.broad_muscle import BroadMuscle
+from ..types import Floats
 from .criterion import MM, Criterion, States
 from .data import Data
 from .over_range import OverRange
-
-Floats = npt.NDArray[np.float64]
 
 AT_BOUND = 1e-3  # of the way between the bounds
 

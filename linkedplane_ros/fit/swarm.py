@@ -11,9 +11,8 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from ..types import Floats
 
 INSTALL = "a fit needs pymoo, SciPy and matplotlib: pip install 'linkedplane_ros[tools]'"
 ADAPTED = ('w', 'c1', 'c2')  # the swarm's inertia and pulls, which it changes as it goes

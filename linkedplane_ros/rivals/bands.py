@@ -14,10 +14,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
-from ..compiled import COMPILED, fingerprint
-from ..kernels import SOLVED
-from ..solver import FAULTS, Floats, WrapState, in_parts, one_rotation, rotations_of
-from ..vectors import Vector
+from ..linked_planes.compiled import COMPILED, fingerprint
+from ..linked_planes.vectors import Vector
+from ..solver.kernels import SOLVED
+from ..solver.linked_plane_solver import FAULTS, WrapState, in_parts, one_rotation, rotations_of
+from ..types import Floats
 from .path import ARC_NUMBERS, ArcsOf, PathOf, make_solve, write_arcs
 
 Bone = Literal['scapula', 'humerus']

@@ -32,9 +32,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..band import INSIDE, MISSED, WRAPPED
-from ..model import BroadMuscle
-from ..solver import Floats, LinkedPlaneSolver, MuscleStates
+from ..linked_planes.band import INSIDE, MISSED, WRAPPED
+from ..muscle.broad_muscle import BroadMuscle
+from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleStates
+from ..types import Floats
 from .bands import Bands, BandStates
 from .methods import Method, methods
 from .sweeps import STEP, WAYS, between, random_ways, single_axes, thesis_motions, turns_between

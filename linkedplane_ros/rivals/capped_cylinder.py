@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from math import atan2, cos, pi, sin, sqrt
 from typing import Literal, NamedTuple
 
-from ..band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
-from ..compiled import compiled
-from ..linked_planes import vector
-from ..vectors import Vector, cross, dot, minus, mix, norm, plus, times
+from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
+from ..linked_planes.chain import vector
+from ..linked_planes.compiled import compiled
+from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
 from .bands import kernel_of
 from .cylinder import AT_SURFACE, RoundAnAxis, Tube, inside, tube_at, way_round
 from .path import (

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..model import BroadMuscle
+from ..muscle.broad_muscle import BroadMuscle
 from .methods import methods
 from .sweeps import THESIS, limits
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from math import atan2, sqrt
 from typing import NamedTuple
 
-from ..band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..compiled import compiled
-from ..linked_planes import vector
-from ..vectors import Vector, cross, dot, minus, mix, norm, plus, times
+from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
+from ..linked_planes.chain import vector
+from ..linked_planes.compiled import compiled
+from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
 from .bands import (
     Bone,
     PathModel,

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..compiled import compiled
-from ..vectors import Vector, dot, minus, mix, norm
+from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
+from ..linked_planes.compiled import compiled
+from ..linked_planes.vectors import Vector, dot, minus, mix, norm
 from .bands import Bone, kernel_of
 from .cylinder import (
     RoundAnAxis,
@@ -26,16 +26,7 @@ from .cylinder import (
     tube_at,
     way_round,
 )
-from .path import (
-    REST,
-    ZERO,
-    Path,
-    Rotation,
-    Row,
-    ends,
-    moment_of,
-    straight_path,
-)
+from .path import REST, ZERO, Path, Rotation, Row, ends, moment_of, straight_path
 
 ROUNDS = 100
 SETTLING = 40  # rounds after which a cylinder that is not touched is dropped for good

@@ -20,10 +20,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..band import WRAPPED
-from ..model import BroadMuscle
-from ..solver import Floats, LinkedPlaneSolver, MuscleState
-from ..vectors import Vector
+from ..linked_planes.band import WRAPPED
+from ..linked_planes.vectors import Vector
+from ..muscle.broad_muscle import BroadMuscle
+from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState
+from ..types import Floats
 from .bands import Bands, Bone, PathModel
 from .capped_cylinder import CappedCylinder
 from .cylinder import Cylinder

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from math import cos, sin
 from typing import Any, NamedTuple
 
-from ..compiled import compiled, entry
-from ..kernels import SOLVED, rotation_fault, rows_of
-from ..linked_planes import vector
-from ..vectors import Vector, blend, cross, dot, minus, norm, plus, times, turned
+from ..linked_planes.chain import vector
+from ..linked_planes.compiled import compiled, entry
+from ..linked_planes.vectors import Vector, blend, cross, dot, minus, norm, plus, times, turned
+from ..solver.kernels import SOLVED, rotation_fault, rows_of
 
 Row = list[float]
 Rotation = tuple[Vector, Vector, Vector]  # by rows

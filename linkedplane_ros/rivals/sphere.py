@@ -10,19 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from ..band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
-from ..compiled import compiled
-from ..linked_planes import vector
-from ..vectors import Vector, cross, dot, minus, mix, norm, times
-from .bands import (
-    Bone,
-    PathModel,
-    check_bone,
-    check_point,
-    check_radius,
-    kernel_of,
-    on_humerus,
-)
+from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
+from ..linked_planes.chain import vector
+from ..linked_planes.compiled import compiled
+from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, times
+from .bands import Bone, PathModel, check_bone, check_point, check_radius, kernel_of, on_humerus
 from .path import (
     NO_ARC,
     REST,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..band import CLEAR, WRAPPED
-from ..compiled import compiled
-from ..linked_planes import vector
-from ..vectors import Vector, cross, minus, norm, times, turned
+from ..linked_planes.band import CLEAR, WRAPPED
+from ..linked_planes.chain import vector
+from ..linked_planes.compiled import compiled
+from ..linked_planes.vectors import Vector, cross, minus, norm, times, turned
 from .bands import PathModel, check_point, kernel_of
 from .path import NO_ARC, REST, ZERO, Arc, Path, Rotation, Row, ends, straight_path, write_arc
 

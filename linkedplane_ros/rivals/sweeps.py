@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..conventions import JOINT_CONVENTIONS, turn
-from ..model import BroadMuscle
-from ..solver import Floats
+from ..joints.conventions import JOINT_CONVENTIONS, turn
+from ..muscle.broad_muscle import BroadMuscle
+from ..types import Floats
 
 STEP = np.radians(0.5)  # at most, of the humerus between neighbouring poses
 WAYS = 12

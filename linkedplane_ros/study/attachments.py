@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from ..definition import METRES, Listed
-from ..model import BroadMuscle
+from ..muscle.broad_muscle import BroadMuscle
+from ..muscle.definition import METRES, Listed
+from ..types import Floats
 from .literature import PrintedPoint, printed_positions
-
-Floats = npt.NDArray[np.float64]
 
 SPAN = 41  # points drawn of the whole span
 AGREES = 1e-8  # m: what the thesis's tables and its polynomials may differ by (errata 1 to 3)

@@ -13,13 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from ..conventions import turn
-from ..model import BroadMuscle
-from ..solver import LinkedPlaneSolver, MuscleStates
-
-Floats = npt.NDArray[np.float64]
+from ..joints.conventions import turn
+from ..muscle.broad_muscle import BroadMuscle
+from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleStates
+from ..types import Floats
 
 MILLIMETRES = 1e3  # in a metre
 STEP = math.radians(10.0)  # from pose to pose (thesis ch. 5)

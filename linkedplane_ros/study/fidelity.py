@@ -11,13 +11,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from ..model import BroadMuscle
+from ..muscle.broad_muscle import BroadMuscle
+from ..types import Floats
 from .experiments import CUBIC, Experiment
 from .literature import HEADS, RHYTHM, Curve, measured, published, rivals
-
-Floats = npt.NDArray[np.float64]
 
 SAME = 1e-9  # rad: rounding of angles that are the same
 THESIS_LENGTH, THESIS_ARM = 8e-3, 7e-3  # m: the thesis's mean deviations, arms halved (ch. 6)

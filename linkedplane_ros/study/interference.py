@@ -13,14 +13,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ..definition import METRES
-from ..interference import depths
-from ..model import BroadMuscle
-from ..model_file import interference_spheres
-from ..sections import parsed, text_of
+from ..muscle.broad_muscle import BroadMuscle
+from ..muscle.definition import METRES
+from ..muscle.file import interference_spheres
+from ..muscle.mapping import parsed, text_of
+from ..solver.interference import depths
+from ..types import Floats
 from .experiments import Experiment, simulate_all
-
-Floats = npt.NDArray[np.float64]
 
 PRINTED = 'as printed'
 REVERSED_Z = 'z reversed'

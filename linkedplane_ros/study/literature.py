@@ -14,9 +14,8 @@ from functools import cache
 from importlib import resources
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from ..types import Floats
 
 HEADS = ('anterior', 'middle', 'posterior')
 METRES = 1e-3  # in a millimetre

@@ -13,17 +13,15 @@ from inspect import cleandoc
 from pathlib import Path
 
 from .. import __version__
-from ..outputs import remove
-from ..recordings import RecordingError
-from . import (
-    experiments_chapter,
-    fidelity_chapter,
-    interference_chapter,
-    model_chapter,
-    rivals_chapter,
-)
-from .figures import drawing
-from .parts import Chapter, Part, Picture, Table
+from ..errors import RecordingError
+from ..processing.outputs import remove
+from .chapters import experiments as experiments_chapter
+from .chapters import fidelity as fidelity_chapter
+from .chapters import interference as interference_chapter
+from .chapters import model as model_chapter
+from .chapters import rivals as rivals_chapter
+from .chapters.parts import Chapter, Part, Picture, Table
+from .pictures.figures import drawing
 from .subject import Subject
 
 CHAPTERS: Sequence[Callable[[Subject], Chapter]] = (

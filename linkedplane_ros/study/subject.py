@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..model import BroadMuscle
-from ..solver import LinkedPlaneSolver, MuscleState
+from ..muscle.broad_muscle import BroadMuscle
+from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState
 from .attachments import is_published
 from .experiments import MOTIONS, Experiment, simulate
 from .fidelity import is_comparable

@@ -9,11 +9,12 @@ from typing import Any
 
 import viser
 
+from ..types import Floats
 from . import scene
 from .camera import Cameras, view
 from .geometry import Markers, apply, drawables
 from .look import Look, theme
-from .newest import Facts, Floats, Values
+from .newest import Facts, Values
 from .node import ViewerNode
 from .panel import MusclePanel
 from .plots import Plots

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
+
+from ..types import Floats
 
 if TYPE_CHECKING:
     import viser
 
-Floats = npt.NDArray[np.float64]
 
 FOV = 0.6  # rad, upright
 # The library draws an empty picture 1 unit before each camera. Where a unit is smaller than the

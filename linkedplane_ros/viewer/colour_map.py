@@ -12,8 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Bytes = npt.NDArray[np.uint8]
+from ..types import Bytes, Floats
 
 # lightness and the two axes of colour: dark and light grounds set off all of the way, and a screen
 # shows it

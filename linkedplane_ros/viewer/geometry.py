@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..types import Bytes, Floats
 from .wire import (
     CYLINDER,
     DELETE,
@@ -23,8 +24,6 @@ from .wire import (
     Marker,
 )
 
-Floats = npt.NDArray[np.float64]
-Bytes = npt.NDArray[np.uint8]
 Markers = dict[tuple[str, int], Marker]
 BANDS = 'bands'
 

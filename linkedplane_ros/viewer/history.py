@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Range = tuple[float, float]
+from ..types import Floats, Interval
 
 
 class Recent:
@@ -78,7 +77,7 @@ def side_by_side(curves: Sequence[Floats]) -> Floats:
     return np.column_stack(columns)
 
 
-def widened(before: Range | None, values: npt.ArrayLike, step: float) -> Range | None:
+def widened(before: Interval | None, values: npt.ArrayLike, step: float) -> Interval | None:
     """Return a range in round steps that holds all values, with room, and the range before.
 
     NaN does not count; None if there is nothing but NaN.

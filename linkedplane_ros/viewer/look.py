@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from ..colours import HEAD_COLOURS
+from ..drawing.colours import HEAD_COLOURS
+from ..types import Floats
 from .colour_map import colours, legend, round_up
-from .newest import Facts, Floats, Values
+from .newest import Facts, Values
 
 HEAD, LENGTH, ARM = 'head', 'length change', 'moment arm'
 MILLIMETRES = 1e3

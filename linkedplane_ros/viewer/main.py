@@ -23,7 +23,7 @@ LOOPBACK = '127.0.0.1'
 NODE = [
     sys.executable,
     '-m',
-    'linkedplane_ros.executables',
+    'linkedplane_ros.node',
     '--ros-args',
     '-p',
     'markers.rate:=120',

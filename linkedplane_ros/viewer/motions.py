@@ -7,12 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from ..conventions import JointConvention, turn
-
-Floats = npt.NDArray[np.float64]
-Ranges = tuple[tuple[float, float], ...]
+from ..joints.conventions import JointConvention, turn
+from ..types import Floats, Intervals
 
 UNHURRIED = 1.2  # rad/s: the mean speed of a glide
 SHORTEST = 0.5  # s
@@ -44,7 +41,7 @@ def poses(convention: JointConvention) -> dict[str, Floats]:
     return found
 
 
-def ranges(convention: JointConvention, motion: Ranges | None) -> Ranges:
+def ranges(convention: JointConvention, motion: Intervals | None) -> Intervals:
     """Return the lowest and highest angle of each coordinate's slider, rad.
 
     `motion`: the model's range of flexion, abduction and rotation, for their convention.

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..conventions import JOINT_CONVENTIONS, JointConvention
-from ..joint_input import JointMap
-from ..model import BroadMuscle, ModelError
-from .motions import Ranges
+from ..errors import ModelError
+from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.joint_state import JointMap
+from ..muscle.broad_muscle import BroadMuscle
+from ..types import Floats, Intervals
 
-Floats = npt.NDArray[np.float64]
 DEFAULT = 'flexion_abduction_rotation'
 MARKERS_KEPT = 10  # messages: a clearing and what follows it are not to be torn apart
 
@@ -35,7 +35,7 @@ class Facts:
     side: str = 'right'
     heads: tuple[tuple[str, int], ...] = ()
     """Each head and the band that stands for it."""
-    motion: Ranges | None = None
+    motion: Intervals | None = None
     """The model's range of flexion, abduction and rotation, rad."""
 
     @staticmethod

@@ -24,8 +24,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import MarkerArray
 
-from ..joint_input import JointMemory, Rejected
-from .newest import MARKERS_KEPT, Facts, Floats, Newest
+from ..joints.joint_state import JointMemory, Rejected
+from ..types import Floats
+from .newest import MARKERS_KEPT, Facts, Newest
 
 FRAME = 1.0 / 60.0  # s: no screen needs to be told more often
 GATHER, GATHERINGS = 0.001, 12  # s between looks for the rest of an answer, and how many of them

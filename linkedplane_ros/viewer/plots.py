@@ -10,9 +10,10 @@ import numpy as np
 import viser
 from viser import uplot
 
-from ..colours import HEAD_COLOURS
-from .history import Curve, Range, Recent, side_by_side, widened
-from .newest import Facts, Floats, Values
+from ..drawing.colours import HEAD_COLOURS
+from ..types import Floats, Interval
+from .history import Curve, Recent, side_by_side, widened
+from .newest import Facts, Values
 
 SPAN = 20.0  # s shown
 RATE = 60  # rows a second at most
@@ -56,7 +57,7 @@ class Plots:
         self._place = gui.add_folder(None)
         self._plots: list[Any] = []
         self._retired: list[tuple[float, Any]] = []
-        self._reach: list[Range | None] = [None, None]
+        self._reach: list[Interval | None] = [None, None]
         if len(muscles) > 1:
             gui.add_html(f'<div {NOTE}>dashed: {", ".join(name for name, _ in muscles[1:])}</div>')
         self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
@@ -179,7 +180,7 @@ def lines_of(muscles: Sequence[tuple[str, Facts]]) -> list[Any]:
     return lines
 
 
-def scales(reach: Range | None) -> dict[str, Any]:
+def scales(reach: Interval | None) -> dict[str, Any]:
     """Return the scales of a plot.
 
     Its range is given, as the library finds none where a line begins with NaN.

@@ -8,8 +8,9 @@ import numpy as np
 import trimesh
 import viser
 
+from ..types import Bytes
 from .camera import UNIT
-from .geometry import Bodies, Bytes, Drawable, Lines, Sheets
+from .geometry import Bodies, Drawable, Lines, Sheets
 
 GREY = (128, 128, 128)
 AXES = 0.09  # m that the axes reach from the glenohumeral centre

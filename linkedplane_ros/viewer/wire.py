@@ -9,9 +9,8 @@ import struct
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from ..types import Floats
 
 ENCAPSULATION = 4  # bytes before the message; alignment counts from behind them
 # visualization_msgs/Marker

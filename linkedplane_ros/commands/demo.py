@@ -1,0 +1,19 @@
+"""`linkedplane_demo`: the demonstration of `make demo`."""
+
+import signal
+import sys
+
+from ..node.environment import prepare_executable
+
+
+def main() -> int:
+    """Make ROS importable, then run the demonstration; return its exit status."""
+    prepare_executable()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    from ..node.demo import main as run
+
+    return int(run())
+
+
+if __name__ == '__main__':
+    sys.exit(main())

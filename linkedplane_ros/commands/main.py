@@ -1,0 +1,67 @@
+"""The command `linkedplane`, put together from the modules of `commands`.
+
+Exit status: 0 done, 1 the input is at fault (one line on stderr says what and where), 2 usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+from collections.abc import Sequence
+from decimal import Decimal
+
+from .. import __version__
+from . import fit, info, play, plot, process, solve, study
+
+COMMANDS = {
+    'info': info,
+    'solve': solve,
+    'play': play,
+    'fit': fit,
+    'process': process,
+    'plot': plot,
+    'study': study,
+}
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line's parser."""
+    top = argparse.ArgumentParser(
+        prog='linkedplane', description='Muscle paths by linked-plane obstacle sets.'
+    )
+    top.add_argument('--version', action='version', version=__version__)
+    commands = top.add_subparsers(title='commands', required=True, metavar='COMMAND')
+    for name, command in COMMANDS.items():
+        does = command.run.__doc__
+        made = commands.add_parser(name, help=does, description=does)
+        command.arguments(made)
+        made.set_defaults(run=command.run)
+    return top
+
+
+def plain(argument: str) -> str:
+    """Return an argument, -1e-3 as -0.001: argparse takes the former for an option."""
+    if re.fullmatch(r'-\d*\.?\d+[eE][-+]?\d+', argument):
+        return f'{Decimal(argument):f}'
+    return argument
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
+    words = [plain(arg) for arg in (sys.argv[1:] if args is None else args)]
+    options = parser().parse_args(words)
+    options.words = words
+    try:
+        options.run(options)
+        sys.stdout.flush()
+    except ValueError as error:
+        print(f'linkedplane: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:  # whoever read the output has enough of it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return 0

@@ -1,0 +1,1 @@
+"""A state as shapes for markers and scenes, and as pictures."""

@@ -1,0 +1,1 @@
+"""From a joint state to the pose: the joint conventions, and what is accepted of a message."""

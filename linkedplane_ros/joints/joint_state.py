@@ -1,0 +1,149 @@
+"""From the joints of a message to the three angles of a convention, or a reason why not.
+
+No message package is needed here: a JointState is read as its names and its sequences of numbers.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from ..types import Triple
+
+FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
+FASTEST = 1e9  # rad/s: no velocity; of a few more digits an answer could not be told
+
+
+class Rejected(ValueError):
+    """A message that is not answered; `reason` is the name it is counted under."""
+
+    def __init__(self, reason: str, text: str) -> None:
+        """Keep the reason beside the line that explains it."""
+        super().__init__(text)
+        self.reason = reason
+
+
+REASONS = ('sizes', 'no_joint', 'not_finite', 'degrees', 'incomplete', 'no_plane')
+
+
+@dataclass(frozen=True)
+class JointMap:
+    """Which joints are the convention's coordinates: angle = sign * position + offset (rad)."""
+
+    names: tuple[str, str, str]
+    signs: Triple
+    offsets: Triple
+
+    def __post_init__(self) -> None:
+        """Refuse what is no mapping."""
+        if len(set(self.names)) < 3:
+            raise ValueError(f'joints {", ".join(self.names)}: 3 different joints expected')
+        if not all(map(math.isfinite, (*self.signs, *self.offsets))):
+            raise ValueError(f'signs {self.signs}, offsets {self.offsets}: finite numbers expected')
+
+    @staticmethod
+    def of_facts(facts: Mapping[str, str]) -> JointMap:
+        """Return the mapping that an output's metadata tells; KeyError or ValueError for none."""
+        a, b, c = json.loads(facts['joints'])
+        i, j, k = map(float, facts['joint_signs'].split())
+        x, y, z = map(float, facts['joint_offsets_rad'].split())
+        return JointMap((a, b, c), (i, j, k), (x, y, z))
+
+    @property
+    def facts(self) -> dict[str, str]:
+        """How angles are made of the recorded, for an output's metadata."""
+        return {
+            'joints': json.dumps(self.names),
+            'joint_signs': ' '.join(f'{sign:g}' for sign in self.signs),
+            'joint_offsets_rad': ' '.join(repr(offset) for offset in self.offsets),
+        }
+
+
+@dataclass
+class JointMemory:
+    """The newest accepted value of each of the three joints, as the messages gave it."""
+
+    joints: JointMap
+    positions: dict[str, float] = field(default_factory=dict)
+    velocities: dict[str, float] = field(default_factory=dict)
+    _names: list[str] = field(default_factory=list)
+    _places: list[tuple[str, int]] = field(default_factory=list)
+
+    def take(
+        self, names: Sequence[str], positions: Sequence[float], velocities: Sequence[float]
+    ) -> tuple[Triple, Triple | None, str]:
+        """Take one message in; return angles (3) rad, velocities (3) rad/s or None, a warning.
+
+        The velocities are None where the message has none, or unusable ones (the warning then says
+        which; it is empty otherwise). Raises Rejected and remembers nothing where the message as a
+        whole is no good, and where not all three joints have been seen ('incomplete').
+        """
+        if len(names) != len(positions):
+            raise Rejected(
+                'sizes', f'{len(names)} names but {len(positions)} positions; one each expected'
+            )
+        places = self._places_in(names)
+        fresh = {name: positions[i] for name, i in places}
+        for name, q in fresh.items():
+            if not abs(q) <= FULL_CIRCLE:  # nor is NaN
+                raise self._no_angle(name, q)
+        rates, warning = self._rates(len(names), velocities, places)
+        self.positions.update(fresh)
+        if len(rates) < len(fresh):  # a velocity is no older than the position it came with
+            for name in fresh:
+                self.velocities.pop(name, None)
+        self.velocities.update(rates)
+        known, speeds, joints = self.positions, self.velocities, self.joints
+        if len(known) < 3:
+            unseen = next(name for name in joints.names if name not in known)
+            raise Rejected('incomplete', f'waiting for joint {unseen!r}, not seen so far')
+        (a, b, c), (i, j, k), (x, y, z) = joints.names, joints.signs, joints.offsets
+        angles = i * known[a] + x, j * known[b] + y, k * known[c] + z
+        if len(speeds) < 3:
+            return angles, None, warning
+        return angles, (i * speeds[a], j * speeds[b], k * speeds[c]), warning
+
+    def _places_in(self, names: Sequence[str]) -> list[tuple[str, int]]:
+        """Return where the joints stand among the names, the last of a name that stands twice."""
+        if names != self._names:
+            last = {name: i for i, name in enumerate(names)}
+            found = [(name, last[name]) for name in self.joints.names if name in last]
+            if not found:
+                raise Rejected(
+                    'no_joint',
+                    f'none of the joints {", ".join(self.joints.names)} in it, but '
+                    f'{listed(names)}; set joint_names or joint_convention',
+                )
+            self._names, self._places = list(names), found
+        return self._places
+
+    def _no_angle(self, name: str, q: float) -> Rejected:
+        if not math.isfinite(q):
+            return Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
+        return Rejected(
+            'degrees', f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)'
+        )
+
+    def _rates(
+        self, count: int, velocities: Sequence[float], places: list[tuple[str, int]]
+    ) -> tuple[dict[str, float], str]:
+        """Return the joints' velocities, none where they cannot be used, and then why."""
+        if not len(velocities):
+            return {}, ''
+        if count != len(velocities):
+            return {}, f'velocities left out: {len(velocities)} for {count} names'
+        rates = {name: velocities[i] for name, i in places}
+        for name, v in rates.items():
+            if not abs(v) <= FASTEST:  # nor is NaN
+                return {}, f'velocities left out: that of joint {name!r} is {v}'
+        return rates, ''
+
+
+def listed(names: Sequence[str], most: int = 6) -> str:
+    """Return the first few names as text."""
+    if not len(names):
+        return 'no joint at all'
+    more = f' and {len(names) - most} more' if len(names) > most else ''
+    return ', '.join(names[:most]) + more

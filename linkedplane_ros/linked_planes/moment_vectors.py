@@ -1,0 +1,164 @@
+"""Moment vectors -dL/domega of all bands, exactly (thesis eq. 5.1; spec section 4).
+
+domega is an infinitesimal rotation of the humerus about the ground axes. What a band's length does
+has two parts: its own, at a fixed theta, and the one that every band shares because theta follows
+the pose, dtheta/domega = -(d2E/dtheta domega) / (d2E/dtheta2). A prime is d/dtheta.
+"""
+
+from math import cos, sin
+
+from .band import WRAPPED, length_by_plane, wrap
+from .chain import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Band, Muscle, plane_at, state_at, vector
+from .compiled import compiled
+from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, plus, times, turned
+
+
+@compiled
+def tilt(band: Band, x: Vector) -> Vector:
+    """Return d(u.x)/domega for a fixed x across the line: u turns as its end S moves."""
+    return times(1.0 / band.section.D, cross(band.S, x))
+
+
+@compiled
+def sphere_moves(band: Band, HM: Vector, f: Vector) -> Vector:
+    """Return d(f.C)/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5).
+
+    A sphere on the humerus turns with it, one on the ground stands still.
+    """
+    if band.frame == GROUND:
+        return ZERO
+    if band.frame == HUMERUS:
+        return cross(plus(minus(band.S, times(band.section.D, band.u)), band.p), f)
+    moment = cross(band.p, f)
+    mx, my, mz = dot(moment, band.x), dot(moment, band.y), dot(moment, band.z)
+    k = 1.0 / band.lever
+    return cross(HM, mix(k * mz, band.y, -k * (my + band.skew * mx), band.z))
+
+
+@compiled
+def first_turn(band: Band, N: Vector) -> Vector:
+    """Return dpsi/domega of the first band's plane, which follows the reference normal N."""
+    uN = cross(band.u, N)
+    return times(-dot(N, band.u) / dot(uN, uN), tilt(band, uN))
+
+
+@compiled
+def next_turn(
+    W: Vector, dW: Vector, J: float, n: Vector, last: Band, band: Band
+) -> tuple[Vector, Vector]:
+    """Return dpsi/domega of a band's plane, at a fixed theta, and its prime.
+
+    It follows the plane before it, that of the band `last`: of normal n and turns W, dW and J.
+    """
+    e = cross(last.u, n)
+    nu, eps, mu = dot(n, band.u), dot(e, band.u), dot(last.u, band.u)
+    k = 1.0 / max(eps * eps + mu * mu, 1e-300)  # 1 / (1 - nu^2)
+    eps_D, last_nu_D, nu_D = eps / last.section.D, nu / last.section.D, nu / band.section.D
+    # mu W + eps tilt(last, n) - nu tilt(band, u x n), and its prime
+    top = mix(mu, W, eps_D, cross(last.S, n))
+    top = minus(top, times(nu_D, cross(band.S, cross(band.u, n))))
+    dlast = cross(last.S, mix(eps_D, e, -last_nu_D, n))
+    dband = cross(band.S, cross(band.u, mix(nu_D, e, eps / band.section.D, n)))
+    dtop = blend(mu, dW, J, dlast, -J, dband)
+    return times(k, top), mix(k, dtop, 2.0 * nu * eps * J * k * k, top)
+
+
+@compiled
+def pull(
+    band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
+    dW: Vector,
+) -> tuple[float, float, float, Vector, Vector]:  # fmt: skip
+    """Return a wrapped band's L (m), dL/dpsi, d2L/dpsi2 and, at fixed theta, dL/domega, its prime.
+
+    dL = t2.dS + (t1 - t2).dC - (arc d / r) n.dC + d ((t1 - t2).u + arc a / r) n.du + dL/dpsi dpsi
+    (spec section 4, with dc = dC - dd n - d dn and dd = dC.n + (C - P).dn)
+    """
+    d, b, J, _ = plane
+    section, u, e = band.section, band.u, cross(band.u, n)
+    r, arc, t1u, t1e, t2u, t2e = wrap(section.D, section.a, section.tP, section.tS, section.R, d, b)
+    Lpsi, Lpsi2 = length_by_plane(d, b, r, arc, t1u, t1e, t2u, t2e)
+    k = 1.0 / r
+    dd, dr = J * b, -J * d * b * k
+    turn_1, turn_2 = -J * d * t1e * k, -J * d * t2e * k  # of t1 and t2 in the plane
+    open_u, open_e = t1u - t2u, t1e - t2e
+    dopen_u, dopen_e = t2e * turn_2 - t1e * turn_1, t1u * turn_1 - t2u * turn_2
+    off = arc * d * k
+    doff = ((turn_1 - turn_2) * d + arc * dd - off * dr) * k
+    h = d * open_u + off * section.a
+    dh = dd * open_u + d * dopen_u + doff * section.a
+
+    # what pulls at the insertion, the turn of the line included, and what pushes the sphere
+    h_D, dh_D = h / section.D, dh / section.D
+    end = blend(t2u, u, t2e, e, h_D, n)
+    dend = blend(-t2e * turn_2, u, t2u * turn_2 + h_D * J, e, dh_D - J * t2e, n)
+    push = blend(open_u, u, open_e, e, -off, n)
+    dpush = blend(dopen_u, u, dopen_e - J * off, e, -J * open_e - doff, n)
+    g = blend(1.0, cross(band.S, end), 1.0, sphere_moves(band, HM, push), Lpsi, W)
+    dg = plus(cross(band.S, dend), sphere_moves(band, HM, dpush))
+    dg = blend(1.0, dg, Lpsi2 * J, W, Lpsi, dW)
+    return section.tP + r * arc + section.tS, Lpsi, Lpsi2, g, dg
+
+
+@compiled
+def edge_follows(
+    band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector
+) -> Vector:
+    """Return dtheta/domega where theta keeps a band at the edge of its sphere: d, or b, stays."""
+    d, b, J, _ = plane
+    if abs(d) < (1.0 - 1e-6) * band.section.R:  # the edge at b = 0: e for n, -d for b
+        n, b = cross(band.u, n), -d
+    drift = minus(sphere_moves(band, HM, n), times(band.section.a, tilt(band, n)))
+    return times(-1.0 / (b * J), plus(drift, times(b, W)))
+
+
+@compiled
+def muscle_state(
+    muscle: Muscle,
+    rotation: tuple[Vector, Vector, Vector],
+    bands: list[Band],
+    theta: float,
+    held: int,
+    lengths: list[float],
+    moments: list[float],
+    states: list[int],
+) -> None:
+    """Fill in lengths (n, m), moment vectors (3 n, m, ground axes) and wrap states (n)."""
+    HM = turned(rotation, vector(muscle, HUMERAL_POINT))
+    c, s = cos(theta), sin(theta)
+    Ett, Etw = 0.0, ZERO  # d2E/dtheta2 and d2E/dtheta domega
+    follow = ZERO  # dtheta/domega
+    shared = [0.0] * len(bands)  # dL/dtheta
+    turning = -1  # the last band whose plane's turn matters
+    planes = [plane_at(band.section, c, s) for band in bands]
+    for i in range(len(bands)):
+        d, b, _, _ = planes[i]
+        states[i] = state_at(bands[i].section, d, b, i == held)
+        if states[i] == WRAPPED or i == held:
+            turning = i
+    last, n, J, W, dW = bands[0], ZERO, 1.0, ZERO, ZERO
+    for i in range(len(bands)):
+        band = bands[i]
+        if i <= turning:
+            if i == 0:
+                W = first_turn(band, vector(muscle, NORMAL))
+            else:
+                W, dW = next_turn(W, dW, J, n, last, band)
+            n = mix(c, band.A, s, band.B)
+            n = times(1.0 / norm(n), n)
+            last, J = band, planes[i][2]
+        if states[i] == WRAPPED:
+            lengths[i], Lpsi, Lpsi2, g, dg = pull(band, HM, n, planes[i], W, dW)
+            shared[i] = Lpsi * J
+            Ett += Lpsi2 * J * J + Lpsi * planes[i][3]
+            Etw = plus(Etw, dg)
+        else:
+            lengths[i] = band.section.D
+            g = cross(band.S, band.u)
+        if i == held:
+            follow = edge_follows(band, HM, n, planes[i], W)
+        moments[3 * i], moments[3 * i + 1], moments[3 * i + 2] = g
+    if held < 0 and Ett > 0.0:
+        follow = times(-1.0 / Ett, Etw)
+    for i in range(len(bands)):
+        for k in range(3):
+            moments[3 * i + k] = -(moments[3 * i + k] + shared[i] * follow[k])

@@ -1,0 +1,1 @@
+"""A broad muscle: its file, its definition, the model in m and rad, its size on a subject."""

@@ -1,0 +1,284 @@
+"""A broad muscle: its bands, obstacle spheres and linked planes, in m and rad."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import ModelError
+from ..types import Floats, Interval
+from . import file, scaling, writing
+from .definition import FRAMES, Definition, Head, Landmark, frames_of, in_metres, unit
+from .mapping import text_of
+from .scaling import Scale
+
+__all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale', 'bundled_models']
+
+
+SHAPES: dict[str, tuple[str | int, ...]] = {
+    'origins': ('n', 3),
+    'insertions': ('n', 3),
+    'sphere_centres': ('n', 3),
+    'sphere_radii': ('n',),
+    'ground_point': (3,),
+    'humeral_point': (3,),
+    'plane_angles': ('n',),
+    'reference_normal': (3,),
+    'interference_centres': ('k', 3),
+    'interference_radii': ('k',),
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BroadMuscle:
+    """A broad muscle of n linked bands, right shoulder, in m and rad (thesis ch. 4 and 5).
+
+    Two muscles are equal if all that their files would state is.
+    """
+
+    name: str
+    source: str
+    band_names: tuple[str, ...]
+    heads: tuple[Head, ...] = ()
+    """Where none are given, the muscle is its own only head."""
+    origins: Floats
+    """(n, 3) ground (scapula) frame."""
+    insertions: Floats
+    """(n, 3) humerus frame."""
+    sphere_centres: Floats
+    """(n, 3) each in its `sphere_frame`."""
+    sphere_radii: Floats
+    """(n,)"""
+    ground_point: Floats | None = None
+    """(3,) SC, ground frame: the moving frames' z axes stand across the plane with it."""
+    humeral_point: Floats | None = None
+    """(3,) HM, humerus frame: the moving frames' x axes point to it."""
+    plane_angles: Floats
+    """(n,) phi, from the plane of the band before; the first is replaced by theta."""
+    reference_normal: Floats
+    """(3,) N, ground frame, unit."""
+    interference_centres: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    """(k, 3) ground frame."""
+    interference_radii: Floats = field(default_factory=lambda: np.empty(0))
+    """(k,)"""
+    interference_names: tuple[str, ...] = ()
+    range_of_motion: tuple[Interval, ...] | None = None
+    """Lowest and highest flexion, abduction and rotation that the model is for, rad."""
+    sphere_frame: str | tuple[str, ...] = 'moving'
+    """What the spheres move with, one for all or one for each band: their band's moving frame
+    (`moving`: SC and HM are needed), the scapula (`ground`) or the humerus (`humerus`)."""
+    licence: str = ''
+    landmarks: tuple[Landmark, ...] = ()
+    """Places on the bones that can be found on a subject, m."""
+    stated: Definition | None = field(default=None, repr=False)
+    """What a file states; of no account where the other fields have been changed since."""
+
+    def __post_init__(self) -> None:
+        """Check frames and shapes; ModelError names the field."""
+        for name in ('source', 'licence'):
+            self._set(name, getattr(self, name).strip())
+        for name in ('band_names', 'interference_names'):
+            self._set(name, tuple(map(str, getattr(self, name))))
+        if not self.band_names:
+            raise ModelError('band_names: at least one band expected')
+        whole = file.whole(self.name, self.band_names)
+        self._set('heads', tuple(self.heads) or (whole,))
+        self._set('landmarks', tuple(self.landmarks))
+        if self.range_of_motion is not None:
+            limits = self._shaped('range_of_motion', (3, 2)).tolist()
+            self._set('range_of_motion', tuple(map(tuple, limits)))
+        self._check_frame()
+        sizes = {'n': len(self.band_names), 'k': len(self.interference_names)}
+        for name, shape in SHAPES.items():
+            if getattr(self, name) is None and 'moving' not in self.sphere_frames:
+                continue  # SC and HM
+            array = self._shaped(
+                name, tuple(sizes[size] if isinstance(size, str) else size for size in shape)
+            )
+            array = unit(array) if name == 'reference_normal' else array
+            array.flags.writeable = False  # the definition would no longer be theirs
+            self._set(name, array)
+
+    def _check_frame(self) -> None:
+        """Check what the spheres move with; without a moving frame there is no SC and no HM."""
+        if not isinstance(self.sphere_frame, str):
+            self._set('sphere_frame', tuple(self.sphere_frame))
+        n = len(self.band_names)
+        if len(self.sphere_frames) != n or not set(self.sphere_frames) <= set(FRAMES):
+            raise ModelError(
+                f'sphere_frame: {self.sphere_frame!r} given, one of {", ".join(FRAMES)}, or '
+                f'{n} of them, expected'
+            )
+        if 'moving' not in self.sphere_frames:
+            self._set('ground_point', None)
+            self._set('humeral_point', None)
+
+    def _shaped(self, name: str, expected: tuple[int, ...]) -> Floats:
+        """Return a copy of a field as an array of a shape."""
+        array = np.array(getattr(self, name), dtype=np.float64)
+        if array.shape != expected:
+            raise ModelError(f'{name}: shape {array.shape} given, {expected} expected')
+        return array
+
+    def _set(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+    @staticmethod
+    def load(name: str | Path) -> BroadMuscle:
+        """Load a bundled model by its name, or a .yaml file by its path.
+
+        Raises ModelError (a ValueError) with one line that names the file, the key and the reason.
+        """
+        bundled = bundled_models()
+        text = str(name)
+        if text in bundled:
+            return BroadMuscle.of(file.read(text, bundled[text]))
+        path = Path(text)
+        if path.suffix not in ('.yaml', '.yml'):
+            raise ModelError(
+                f'muscle: {text!r} is neither a bundled model ({", ".join(sorted(bundled))}) '
+                'nor a path to a .yaml file'
+            )
+        return BroadMuscle.of(file.read(text, text_of(path)))
+
+    @staticmethod
+    def of(definition: Definition) -> BroadMuscle:
+        """Return the muscle that a definition defines."""
+        return BroadMuscle(**definition.evaluated, stated=definition)
+
+    @cached_property
+    def definition(self) -> Definition:
+        """What the muscle's file states, or would state.
+
+        That of the file it was read from, polynomials and units as they stand there; for a muscle
+        made or changed in Python, explicit lists in m and rad.
+        """
+        mine = {each.name: getattr(self, each.name) for each in fields(self)}
+        stated = mine.pop('stated')
+        if stated is not None and all(
+            same(value, stated.evaluated[name]) for name, value in mine.items()
+        ):
+            return stated  # type: ignore[no-any-return]
+        return in_metres(mine)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, BroadMuscle) and self.definition == other.definition
+
+    def __hash__(self) -> int:
+        return hash(self.definition)
+
+    def scaled(self, scale: float | str | Path | Sequence[float] | Scale) -> BroadMuscle:
+        """Return the muscle at a subject's size; lengths and moment arms follow.
+
+        `scale` is a factor; 3 of them, along x, y and z of both bones; 6, the scapula's and then
+        the humerus's; the same as text, with commas; or the path of a subject's measurements,
+        .yaml (doc/model_format.md). Raises ModelError where it is none of these.
+        """
+        wanted = scaling.scale_of(scale, self.definition)
+        return BroadMuscle.of(scaling.scaled(self.definition, wanted))
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """Every number of the definition's geometry by its place, as `sphere.centre.x[0]`.
+
+        In the definition's units; what is common to all bands has no index (`plane_angle`).
+        """
+        return writing.coefficients(self.definition)
+
+    def with_coefficients(self, values: Mapping[str, float]) -> BroadMuscle:
+        """Return the muscle with other numbers in these places; what `coefficients` names.
+
+        Raises ModelError for a place that is not there, and where `load` would refuse the result.
+        """
+        return BroadMuscle.of(writing.with_coefficients(self.definition, values))
+
+    def to_yaml(self, path: str | Path) -> None:
+        """Write the muscle as a .yaml file; `load` gives an equal muscle back, to the bit.
+
+        A file that is there is replaced when the new one is complete. Raises ModelError where
+        `load` would refuse the file, and where it cannot be written.
+        """
+        path = Path(path)
+        if path.suffix not in ('.yaml', '.yml'):
+            raise ModelError(f'{path}: a model file ends in .yaml')
+        text = writing.written(self.definition)
+        if file.read(str(path), text) != self.definition:
+            raise ModelError(f'{path}: not written: a name or text would be read otherwise')
+        part = path.with_name(f'.{path.name}.{os.getpid()}.part')
+        try:
+            part.write_text(text, encoding='utf-8')
+            os.replace(part, path)
+        except OSError as error:
+            raise ModelError(f'{path}: cannot be written: {error.strerror}') from None
+        finally:
+            with suppress(OSError):  # where there is nothing to remove
+                part.unlink()
+
+    def outside(self, rotations: Floats) -> int:
+        """Return how many of the rotations (m, 3, 3) lie outside the range of motion.
+
+        A rotation has two triples of flexion, abduction and rotation: one within is enough.
+        """
+        if self.range_of_motion is None:
+            return 0
+        R = rotations
+        abduction = -np.arcsin(np.clip(R[:, 0, 2], -1.0, 1.0))
+        flexion = np.arctan2(-R[:, 1, 2], R[:, 2, 2])
+        rotation = np.arctan2(-R[:, 0, 1], R[:, 0, 0])
+        within = np.zeros(len(R), dtype=bool)
+        for angles in (
+            (flexion, abduction, rotation),
+            (flexion + np.pi, np.pi - abduction, rotation + np.pi),
+        ):
+            this = np.ones(len(R), dtype=bool)
+            for angle, (low, high) in zip(angles, self.range_of_motion, strict=True):
+                above = (angle - low + 1e-9) % (2.0 * np.pi)
+                this &= above <= high - low + 2e-9
+            within |= this
+        return int((~within).sum())
+
+    @property
+    def sphere_frames(self) -> tuple[str, ...]:
+        """(n) what each band's sphere moves with."""
+        return frames_of(self.sphere_frame, len(self.band_names))
+
+    def sharers(self) -> dict[int, list[int]]:
+        """Return the bands of each sphere, by number, under the first of them.
+
+        Bands share a sphere if it is on a bone and they have the same numbers.
+        """
+        shared: dict[Any, list[int]] = {}
+        radii, centres = self.sphere_radii.tolist(), self.sphere_centres.tolist()
+        for i, frame in enumerate(self.sphere_frames):
+            own = i if frame == 'moving' else None
+            shared.setdefault((own, frame, radii[i], *centres[i]), []).append(i)
+        return {bands[0]: bands for bands in shared.values()}
+
+    def head_of(self, band: str) -> str:
+        """Return the name of the head that a band belongs to."""
+        return next(head.name for head in self.heads if band in head.bands)
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether two values of a field, arrays or not, are equal."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return bool(one == other)
+
+
+def bundled_models() -> dict[str, str]:
+    """Return the texts of the model files that come with the package, by name."""
+    folder = resources.files('linkedplane_ros') / 'models'
+    return {
+        entry.name.removesuffix('.yaml'): entry.read_text(encoding='utf-8')
+        for entry in folder.iterdir()
+        if entry.name.endswith('.yaml')
+    }

@@ -1,0 +1,248 @@
+"""A model at a subject's size: by factors, or by what was measured on the subject.
+
+Points on a bone scale along its axes, from the centre of the joint. A sphere stays a sphere: its
+radius scales by the geometric mean of the three factors of its bone; in a moving frame, which
+belongs to no bone, radius and centre scale by that of all six. Plane angles stay as they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import ModelError
+from ..types import Floats, Point
+from .definition import (
+    BONES,
+    METRES,
+    Curve,
+    Curves,
+    Definition,
+    Landmark,
+    Listed,
+    Sphere,
+    frames_of,
+)
+from .file import JOINT_CENTRE
+from .mapping import Section, parsed, text_of
+
+FORMAT = 'linkedplane_ros/subject'
+VERSION = 1
+LEAST, MOST = 0.5, 2.0  # factors that a measurement may give; beyond, its unit is wrong
+FLAT = 0.1  # of the farthest landmark's distance: below, an axis tells nothing of its factor
+
+Pair = tuple[str, tuple[float, ...], tuple[float, ...]]
+"""A bone, what the model has there, and what was measured: a point's 3 numbers or a distance."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Factors along x, y and z of each bone."""
+
+    scapula: Point = (1.0, 1.0, 1.0)
+    humerus: Point = (1.0, 1.0, 1.0)
+    basis: str = ''
+    """Where the factors come from, if they were measured."""
+
+    def __post_init__(self) -> None:
+        """Check the factors; ModelError says what would be right."""
+        for factor in (*self.scapula, *self.humerus):
+            if not 0.0 < factor < math.inf:
+                raise ModelError(f'scale: {factor:g} given, a factor > 0 expected')
+
+    @property
+    def uniform(self) -> bool:
+        """Whether there is but one factor."""
+        return len({*self.scapula, *self.humerus}) == 1
+
+    def __str__(self) -> str:
+        if self.uniform:
+            text = f'by {self.scapula[0]:.6g}'
+        else:
+            bones = zip(BONES, (self.scapula, self.humerus), strict=True)
+            text = 'by ' + ', '.join(
+                f'{bone} {" ".join(f"{factor:.6g}" for factor in factors)}'
+                for bone, factors in bones
+            ) + ' (x y z)'  # fmt: skip
+        return f'{text}, {self.basis}' if self.basis else text
+
+
+def scale_of(given: float | str | Path | Sequence[float] | Scale, model: Definition) -> Scale:
+    """Return a scale: a factor, 3 or 6 of them, the same as text, or a subject's file (.yaml)."""
+    if isinstance(given, Scale):
+        return given
+    if isinstance(given, (str, Path)):
+        if Path(given).suffix in ('.yaml', '.yml'):
+            return measured(parsed(str(given), text_of(Path(given))), model)
+        try:
+            factors = [float(part) for part in str(given).split(',')]
+        except ValueError:
+            factors = []
+    else:
+        factors = [float(factor) for factor in np.atleast_1d(given)]
+    if len(factors) not in (1, 3, 6):
+        raise ModelError(
+            f"scale: {given!r} given; one factor, 3 (x,y,z), 6 (the scapula's, then the humerus's) "
+            "or a subject's .yaml file expected"
+        )
+    x, y, z, *others = factors * 3 if len(factors) == 1 else factors
+    a, b, c = others or (x, y, z)
+    return Scale((x, y, z), (a, b, c))
+
+
+def scaled(model: Definition, scale: Scale) -> Definition:
+    """Return a definition at another size."""
+    if scale.uniform and scale.scapula[0] == 1.0:
+        return model
+    bones = {'scapula': scale.scapula, 'humerus': scale.humerus}
+    middle = mean(*scale.scapula, *scale.humerus)
+    frames = {'ground': scale.scapula, 'humerus': scale.humerus, 'moving': (middle,) * 3}
+    factors = [frames[frame] for frame in frames_of(model.sphere_frame, len(model.band_names))]
+    s = model.s_of_bands
+    x, y, z = (
+        stretched(curve, [each[axis] for each in factors], s)
+        for axis, curve in enumerate(model.sphere_centre)
+    )
+    size = mean(*scale.scapula)
+    n1, n2, n3 = (
+        n * (size / f) for n, f in zip(model.reference_normal, scale.scapula, strict=True)
+    )
+    return replace(
+        model,
+        source=f'{model.source}; scaled {scale}',
+        origin=on_bone(model.origin, scale.scapula),
+        insertion=on_bone(model.insertion, scale.humerus),
+        sphere_centre=(x, y, z),
+        sphere_radius=stretched(model.sphere_radius, [mean(*each) for each in factors], s),
+        ground_point=model.ground_point and times(model.ground_point, scale.scapula),
+        humeral_point=model.humeral_point and times(model.humeral_point, scale.humerus),
+        reference_normal=(n1, n2, n3),
+        interference_spheres=tuple(
+            Sphere(each.name, times(each.centre, scale.scapula), each.radius * size)
+            for each in model.interference_spheres
+        ),
+        landmarks=tuple(
+            Landmark(each.name, each.bone, times(each.at, bones[each.bone]))
+            for each in model.landmarks
+        ),
+    )
+
+
+def mean(*factors: float) -> float:
+    """Return the geometric mean; of equal factors, each of them to the bit."""
+    if len(set(factors)) == 1:
+        return factors[0]
+    return float(np.exp(np.log(factors).mean()))
+
+
+def times(point: Point, factors: Point) -> Point:
+    """Return a point with each coordinate times its factor."""
+    x, y, z = (a * factor for a, factor in zip(point, factors, strict=True))
+    return x, y, z
+
+
+def on_bone(curves: Curves, factors: Point) -> Curves:
+    """Return attachments with each coordinate times its factor."""
+    x, y, z = (curve.times(factor) for curve, factor in zip(curves, factors, strict=True))
+    return x, y, z
+
+
+def stretched(curve: Curve, factors: list[float], s: Floats) -> Curve:
+    """Return a quantity times a factor for each band: a list, if they differ."""
+    if len(set(factors)) == 1:
+        return curve.times(factors[0])
+    return Listed(tuple((curve.at(s) * factors).tolist()))
+
+
+def measured(file: Section, model: Definition) -> Scale:
+    """Return the factors that best take the model's landmarks to a subject's, by least squares.
+
+    Points give a factor for each axis of their bone, distances one for the bone. A bone that was
+    not measured takes the other's.
+    """
+    file.allow(('format', 'version', 'units'), ('points', 'distances'))
+    for key, expected in (('format', FORMAT), ('version', VERSION)):
+        if file.content[key] != expected:
+            raise file.fault(key, f'{file.content[key]!r} given, {expected!r} expected')
+    units = file.section('units')
+    units.allow(('length',))
+    metres = METRES[units.choice('length', METRES)] / METRES[model.length]
+    if ('points' in file) == ('distances' in file):
+        raise file.fault('points', 'or distances expected, one of the two')
+    kind = 'points' if 'points' in file else 'distances'
+    pairs = list({'points': points, 'distances': distances}[kind](file, model))
+    factors: dict[str, Point] = {}
+    off: list[float] = []
+    for bone in BONES:
+        own = [(mine, theirs) for place, mine, theirs in pairs if place == bone]
+        if own:
+            mine, theirs = np.array([a for a, _ in own]), metres * np.array([b for _, b in own])
+            factors[bone] = fitted(mine, theirs, f'{file.file}: {bone}')
+            off += np.square(theirs - mine * factors[bone][: mine.shape[1]]).ravel().tolist()
+    rms = 1e3 * METRES[model.length] * math.sqrt(sum(off) / len(pairs))
+    scapula = factors.get('scapula') or factors['humerus']
+    humerus = factors.get('humerus') or factors['scapula']
+    basis = f'as {file.file} has it ({len(pairs)} {kind}, off by {rms:.1f} mm rms)'
+    return Scale(scapula, humerus, basis)
+
+
+def places(file: Section, model: Definition) -> dict[str, Landmark]:
+    """Return the model's landmarks by their names."""
+    if not model.landmarks:
+        raise ModelError(f'{file.file}: the model {model.name} has no landmarks to measure by')
+    return {each.name: each for each in model.landmarks}
+
+
+def points(file: Section, model: Definition) -> Iterator[Pair]:
+    """Yield bone, the model's and the subject's place of each measured landmark."""
+    known, given = places(file, model), file.section('points')
+    given.allow((), known)
+    for name in given.content:
+        yield known[name].bone, known[name].at, given.point(name)
+    if not given.content:
+        raise file.fault('points', 'none given; ' + ', '.join(known) + ' are known')
+
+
+def distances(file: Section, model: Definition) -> Iterator[Pair]:
+    """Yield bone, the model's and the subject's distance of each measured pair of landmarks."""
+    known = places(file, model)
+    listed = file.content['distances']
+    if not isinstance(listed, list) or not listed:
+        raise file.fault('distances', 'a list of {from: ..., to: ..., length: ...} expected')
+    for i, content in enumerate(listed):
+        each = Section(file.file, f'distances[{i}]', content)
+        each.allow(('from', 'to', 'length'))
+        ends = [each.choice(key, (*known, JOINT_CENTRE)) for key in ('from', 'to')]
+        bones = {known[end].bone for end in ends if end != JOINT_CENTRE}
+        if len(bones) != 1 or ends[0] == ends[1]:
+            raise each.fault('to', f'{ends[1]!r} given; another landmark on the bone of '
+                                   f'{ends[0]} expected')  # fmt: skip
+        one, other = ((0.0, 0.0, 0.0) if end == JOINT_CENTRE else known[end].at for end in ends)
+        yield bones.pop(), (math.dist(one, other),), (each.number('length'),)
+
+
+def fitted(mine: Floats, theirs: Floats, where: str) -> Point:
+    """Return the factors of least squares that take `mine` (k, 3) or (k, 1) to `theirs`.
+
+    An axis along which the landmarks hardly extend takes the mean of the others.
+    """
+    reach = np.abs(mine).max(axis=0)
+    told = reach > max(FLAT * reach.max(), 1e-12)
+    if not told.any():
+        raise ModelError(f'{where}: landmarks that lie in one place tell nothing of a size')
+    factors = (mine * theirs).sum(axis=0)[told] / np.square(mine).sum(axis=0)[told]
+    for factor in factors.tolist():
+        if not LEAST <= factor <= MOST:
+            raise ModelError(
+                f"{where}: {factor:.3g} times the model's size by these measurements, "
+                f'{LEAST:g} to {MOST:g} expected; the unit, the axes?'
+            )
+    whole = np.full(3, mean(*factors.tolist()))
+    if mine.shape[1] == 3:
+        whole[told] = factors
+    x, y, z = whole.tolist()
+    return x, y, z

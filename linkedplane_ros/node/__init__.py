@@ -1,0 +1,1 @@
+"""The ROS node: topics, parameters, diagnostics, messages."""

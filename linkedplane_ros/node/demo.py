@@ -1,0 +1,185 @@
+"""The demonstration: the node in a process of its own, fed over DDS from a recording."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
+from visualization_msgs.msg import MarkerArray
+
+from ..muscle.broad_muscle import BroadMuscle
+from ..recordings.bags import Recording
+
+ANSWERS = {
+    'band_lengths': Float64MultiArray,
+    'moment_arms': Float64MultiArray,
+    'band_states': JointState,
+    'wrap_states': UInt8MultiArray,
+}
+STARTING = 300.0  # s for the node to start, and to compile the solver the first time
+PATIENCE = 40.0  # s for the recording
+LOSE_NOTHING = [
+    '--ros-args',
+    '-p',
+    'qos_overrides./joint_states.subscription.reliability:=reliable',
+]
+ROWS_EVERY = 0.5  # s of the recording between rows of the table
+
+
+class Listener(Node):
+    """Reads what goes into the muscle node and what comes out of it."""
+
+    def __init__(self, muscle: BroadMuscle) -> None:
+        """Subscribe everything."""
+        super().__init__('linkedplane_demo')
+        self._muscle = muscle
+        self.counts: dict[str, int] = defaultdict(int)
+        self._inputs: dict[int, JointState] = {}
+        self._arms: list[np.ndarray[Any, Any]] = []
+        self._states: list[JointState] = []
+        self._rows = 0
+        self._next_row: float | None = None
+        qos = QoSProfile(depth=1000)
+        self._listening = [self.create_subscription(JointState, 'joint_states', self._input, qos)]
+        for topic, kind in {**ANSWERS, 'markers': MarkerArray}.items():
+            self._listening.append(
+                self.create_subscription(kind, f'{muscle.name}/{topic}', self._counter(topic), qos)
+            )
+
+    def connected(self) -> bool:
+        """Return whether the node publishes all that is listened to."""
+        return all(self.count_publishers(one.topic_name) for one in self._listening[1:])
+
+    def _input(self, message: JointState) -> None:
+        self.counts['joint_states'] += 1
+        self._inputs[nanoseconds(message)] = message
+
+    def _counter(self, topic: str) -> Any:
+        def count(message: Any) -> None:
+            self.counts[topic] += 1
+            if topic == 'moment_arms':
+                self._arms.append(np.array(message.data).reshape(-1, 3))
+            if topic == 'band_states':
+                self._states.append(message)
+            while self._rows < min(len(self._arms), len(self._states)):
+                self._row(self._states[self._rows], self._arms[self._rows])
+                self._rows += 1
+
+        return count
+
+    def _row(self, message: JointState, arms: np.ndarray[Any, Any]) -> None:
+        """Print a row of the table, twice a second of the recording."""
+        now = 1e-9 * nanoseconds(message)
+        if self._next_row is None:
+            self._header(now)
+        pose = self._inputs.get(nanoseconds(message))
+        if now + 1e-6 < (self._next_row or 0.0) or pose is None:
+            return
+        self._next_row = (self._next_row or 0.0) + ROWS_EVERY
+        cells = [f'{now - self._begin:5.1f}']
+        cells += [f'{round(np.degrees(q)) + 0:6d}' for q in pose.position]
+        for head in self._muscle.heads:
+            band = self._muscle.band_names.index(head.represented_by)
+            cells.append(f' {1e3 * message.position[band]:7.1f}')
+            cells += [f'{1e3 * arm:6.1f}' for arm in arms[band]]
+        print(' '.join(cells), flush=True)
+
+    def _header(self, now: float) -> None:
+        self._begin = self._next_row = now
+        heads = ''.join(f'{head.name + " head (mm)":^30}' for head in self._muscle.heads)
+        print(f'\n{"":5} {"pose (deg)":^20} {heads}')
+        length_and_arms = f' {"length":>7} {"r_flx":>6} {"r_abd":>6} {"r_rot":>6}'
+        print(f'{"t(s)":>5} {"flex":>6} {"abd":>6} {"rot":>6}' +
+              length_and_arms * len(self._muscle.heads))  # fmt: skip
+
+
+def nanoseconds(message: JointState) -> int:
+    """Return a message's stamp, ns since the epoch."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
+def sample_folder() -> Path:
+    """Return the installed folder of sample messages, or that of the source tree."""
+    here = Path(__file__).resolve().parent.parent / 'msg_examples'
+    prefixes = [sys.prefix, *os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)]
+    installed = [Path(p) / 'share' / 'linkedplane_ros' / 'msg_examples' for p in prefixes if p]
+    for folder in [here, *installed]:
+        if (folder / 'arm_raise').is_dir():
+            return folder
+    raise ValueError(f'the sample recording arm_raise is not in {here} nor installed')
+
+
+def main() -> int:
+    """Run the demonstration; return 0 if every joint state was answered on every topic."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
+    recording = Recording.open(sample_folder() / 'arm_raise')
+    muscle = BroadMuscle.load('deltoid')
+    run = [sys.executable, '-m']
+    node = subprocess.Popen([*run, 'linkedplane_ros.node', *LOSE_NOTHING])
+    player = None
+    rclpy.init()
+    listener = Listener(muscle)
+    try:
+        if not spin(listener, listener.connected, node, STARTING):
+            print('demo: the node did not start', file=sys.stderr)
+            return 1
+        print(
+            f'An arm raised in scaption and lowered, {recording.count} joint states over DDS;\n'
+            'each head by one band; r_* the moment arms about flexion, abduction and internal '
+            'rotation,\npositive where shortening turns the joint that way.',
+            flush=True,
+        )
+        player = subprocess.Popen(
+            # the node and this listener: to find each other takes up to some seconds
+            [*run, 'linkedplane_ros.commands', 'play', str(recording.path), '--subscribers', '2'],
+            stdout=subprocess.DEVNULL,
+        )
+        done = spin(listener, lambda: counted(listener, recording.count), node, PATIENCE)
+        return summary(listener, recording.count) if done else summary(listener, -1)
+    finally:
+        for process in (node, player):
+            if process is not None:
+                process.send_signal(signal.SIGINT)
+                process.wait(10.0)
+        listener.destroy_node()
+        rclpy.try_shutdown()
+
+
+def counted(listener: Listener, count: int) -> bool:
+    """Return whether all answers to so many inputs are in."""
+    return all(listener.counts[topic] >= count for topic in ('joint_states', *ANSWERS))
+
+
+def spin(listener: Listener, until: Any, node: subprocess.Popen[bytes], patience: float) -> bool:
+    """Read messages until something is so, the node dies or patience ends; return whether it is."""
+    deadline = time.monotonic() + patience
+    while not until():
+        if time.monotonic() > deadline or node.poll() is not None:
+            return False
+        rclpy.spin_once(listener, timeout_sec=0.05)
+    return True
+
+
+def summary(listener: Listener, expected: int) -> int:
+    """Print what went in and came out; return 0 if they agree."""
+    counts = listener.counts
+    print(f'\nin:  joint_states {counts["joint_states"]}')
+    answers = ', '.join(f'{topic} {counts[topic]}' for topic in ANSWERS)
+    print(f'out: {answers}; markers {counts["markers"]} (30 Hz at most)')
+    agree = all(counts[topic] == counts['joint_states'] == expected for topic in ANSWERS)
+    print('every joint state was answered once on every topic' if agree else 'they DISAGREE')
+    return 0 if agree else 1

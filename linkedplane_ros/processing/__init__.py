@@ -1,0 +1,1 @@
+"""Recordings written again with the muscle's state beside the motion."""

@@ -1,0 +1,221 @@
+"""Where processed recordings go: CSV, Parquet, or an annotated bag (`bag_output`).
+
+Each output is written beside its place and takes it when all is done, so that nothing half-written
+ever stands under the final name.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import RecordingError
+from ..muscle.broad_muscle import BroadMuscle
+from ..recordings.motion import Chunk
+from ..solver.linked_plane_solver import MuscleStates
+from ..types import Floats
+
+ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}
+TABLE_ENDINGS = {'.csv': 'csv', '.parquet': 'parquet'}
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A chunk and the muscle at each of its k frames."""
+
+    chunk: Chunk
+    states: MuscleStates
+    arms: Floats
+    """(k, n, 3) m, about the coordinates."""
+    lengthening: Floats
+    """(k, n) m/s; NaN where not known."""
+
+
+@dataclass(frozen=True)
+class Described:
+    """What an output says of itself."""
+
+    muscle: BroadMuscle
+    coordinates: tuple[str, str, str]
+    frame_id: str
+    facts: Mapping[str, str]
+    """Written into the output: convention, side, source, what was done to the angles."""
+    angles_topic: str = ''
+    """Where a bag shall have the angles as joint states; empty: they are in it as recorded."""
+    markers: bool = True
+    """Whether a bag shall have the markers, too."""
+
+    @property
+    def bands(self) -> tuple[str, ...]:
+        """The names of the bands."""
+        return self.muscle.band_names
+
+
+class Output(Protocol):
+    """Takes solved chunks, one after the other."""
+
+    def write(self, solved: Solved) -> None:
+        """Append a chunk."""
+
+    def close(self) -> None:
+        """Finish."""
+
+
+@contextmanager
+def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
+    """Give a path to write to; what stands there at the end takes its place, or is removed."""
+    if path.exists() and not force:
+        raise RecordingError(f'{path}: exists; --force to replace it')
+    if path.is_dir() and not (bag and (path / 'metadata.yaml').is_file()):
+        raise RecordingError(f'{path}: a folder; only a bag is replaced, and by a bag alone')
+    if bag and path.is_file():
+        raise RecordingError(f'{path}: a file; a bag is a folder')
+    if not path.parent.is_dir():
+        raise RecordingError(f'{path}: no folder {path.parent} to write into')
+    beside = workshop(path, os.getpid())
+    try:
+        remove(beside)
+        beside.mkdir()
+        yield beside / path.name  # its own name: a bag writes that into its files
+        if path.is_dir():
+            path.rename(beside / 'replaced')
+        try:
+            (beside / path.name).replace(path)
+        except OSError:
+            if (beside / 'replaced').exists():
+                (beside / 'replaced').rename(path)
+            raise
+    except (OSError, sqlite3.Error) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise RecordingError(f'{path}: not written: {reason}') from None
+    finally:
+        remove(beside)
+
+
+def workshop(path: Path, process: int | None) -> Path:
+    """Return the folder in which a process writes what is to stand at a path."""
+    return path.with_name(f'.{path.name}.{process}.part')
+
+
+def remove(path: Path) -> None:
+    """Remove a file or a folder, if it is there."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def columns(described: Described) -> list[str]:
+    """Return the names of a table's columns: times in s, angles in rad, lengths in m."""
+    bands = described.bands
+    return [
+        'time',
+        *(f'angles/{coordinate}' for coordinate in described.coordinates),
+        'theta',
+        *(f'band_lengths/{band}' for band in bands),
+        *(f'lengthening/{band}' for band in bands),
+        *(f'moment_arms/{band}/{each}' for band in bands for each in described.coordinates),
+        *(f'moment_vectors/{band}/{axis}' for band in bands for axis in 'xyz'),
+        *(f'wrap_states/{band}' for band in bands),
+    ]
+
+
+def table(solved: Solved) -> tuple[Floats, npt.NDArray[np.uint8]]:
+    """Return a chunk's rows: all columns of numbers, and the wrap states."""
+    states, k = solved.states, len(solved.states)
+    numbers = np.column_stack(
+        (
+            1e-9 * solved.chunk.stamps,
+            solved.chunk.angles,
+            states.theta,
+            states.lengths,
+            solved.lengthening,
+            solved.arms.reshape(k, 3 * states.lengths.shape[1]),
+            states.moment_vectors.reshape(k, 3 * states.lengths.shape[1]),
+        )
+    )
+    return numbers, states.wrap
+
+
+class CsvOutput:
+    """A row a frame; the facts stand in lines with # before the header."""
+
+    def __init__(self, path: Path, described: Described) -> None:
+        """Write the header."""
+        self._file = path.open('w', encoding='utf-8', newline='')
+        for name, fact in described.facts.items():
+            self._file.write(f'# {name}: {fact}\n')
+        self._file.write(','.join(columns(described)) + '\n')
+
+    def write(self, solved: Solved) -> None:
+        """Append a chunk; every number to the last bit, an unknown one empty."""
+        numbers, wrap = table(solved)
+        for row, states, ns in zip(
+            numbers.tolist(), wrap.tolist(), solved.chunk.stamps.tolist(), strict=True
+        ):
+            time = f'{"-" * (ns < 0)}{abs(ns) // 10**9}.{abs(ns) % 10**9:09d}'
+            cells = ','.join(['' if x != x else repr(x) for x in row[1:]])
+            self._file.write(f'{time},{cells},{",".join(map(str, states))}\n')
+
+    def close(self) -> None:
+        """Finish."""
+        self._file.close()
+
+
+class ParquetOutput:
+    """A row a frame; the facts stand in the schema's metadata."""
+
+    def __init__(self, path: Path, described: Described) -> None:
+        """Open the file."""
+        try:
+            import pyarrow
+            import pyarrow.parquet
+        except ImportError:
+            raise RecordingError(
+                "Parquet needs the pyarrow library: pip install 'linkedplane_ros[tools]'"
+            ) from None
+        self._arrow = pyarrow
+        self._file = path.open('wb')
+        names = columns(described)
+        kinds = [
+            pyarrow.uint8() if name.startswith('wrap_states/') else pyarrow.float64()
+            for name in names
+        ]
+        fields = list(zip(names, kinds, strict=True))
+        self._schema = pyarrow.schema(
+            [('stamp', pyarrow.timestamp('ns')), *fields], metadata=dict(described.facts)
+        )
+        self._writer = pyarrow.parquet.ParquetWriter(self._file, self._schema)
+
+    def write(self, solved: Solved) -> None:
+        """Append a chunk; an unknown number is null."""
+        numbers, wrap = table(solved)
+        arrays = [solved.chunk.stamps.astype('datetime64[ns]'), *numbers.T, *wrap.T]
+        made = [
+            self._arrow.array(np.ascontiguousarray(each), type=kind.type, from_pandas=True)
+            for each, kind in zip(arrays, self._schema, strict=True)
+        ]
+        self._writer.write_table(self._arrow.Table.from_arrays(made, schema=self._schema))
+
+    def close(self) -> None:
+        """Finish."""
+        self._writer.close()
+        self._file.close()
+
+
+def format_of(path: Path, chosen: str | None) -> str:
+    """Return the format of an output: the one chosen, else by its ending."""
+    ending = path.suffix.lower()
+    kind = chosen or TABLE_ENDINGS.get(ending, 'bag')
+    if kind == 'bag' and ending in ('.mcap', '.db3'):
+        raise RecordingError(f'{path}: a bag is a folder; name it without {path.suffix}')
+    return kind

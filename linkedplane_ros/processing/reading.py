@@ -1,0 +1,149 @@
+"""Read a processed recording back, for plots: CSV, Parquet, or an annotated bag."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from ..drawing.plot import Processed
+from ..errors import RecordingError
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.joint_state import JointMap, JointMemory, Rejected
+from ..recordings.bag_motion import JointTaker
+from ..recordings.bags import deserialized, opened
+from ..recordings.motion import Frame
+from ..types import Floats
+
+
+def read(path: Path) -> Processed:
+    """Return what a processed recording holds; RecordingError if it is none."""
+    if not path.exists():
+        raise RecordingError(f'{path}: no such file or folder')
+    if path.is_dir():
+        return from_bag(path)
+    try:
+        facts, columns = from_parquet(path) if path.suffix.lower() == '.parquet' else from_csv(path)
+        return assembled(path, facts, columns)
+    except (KeyError, ValueError, UnicodeDecodeError) as error:
+        raise RecordingError(
+            f'{path}: not an output of linkedplane process: {str(error).splitlines()[0]}'
+        ) from None
+
+
+def from_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
+    """Return the facts and the columns of a CSV output."""
+    facts: dict[str, str] = {}
+    with path.open(encoding='utf-8', newline='') as file:
+        for line in file:
+            if not line.startswith('#'):
+                break
+            name, _, fact = line[1:].strip().partition(': ')
+            facts[name] = fact
+        else:
+            line = ''
+        names = next(csv.reader([line]), [])
+        values = [[float(cell) if cell else np.nan for cell in row] for row in csv.reader(file)]
+    numbers = np.array(values, dtype=np.float64).reshape(len(values), len(names))
+    return facts, dict(zip(names, numbers.T, strict=True))
+
+
+def from_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
+    """Return the facts and the columns of a Parquet output."""
+    try:
+        from pyarrow.parquet import read_table
+    except ImportError:
+        raise RecordingError(
+            f"{path}: Parquet needs the pyarrow library: pip install 'linkedplane_ros[tools]'"
+        ) from None
+    table = read_table(path)
+    facts = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+    return facts, {
+        name: table[name].to_numpy().astype(np.float64)
+        for name in table.column_names
+        if name != 'stamp'
+    }
+
+
+def from_bag(path: Path) -> Processed:
+    """Return what an annotated bag holds."""
+    try:
+        content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
+        facts = content['rosbag2_bagfile_information']['custom_data']
+        muscle = facts['muscle']
+        a, b, c = JOINT_CONVENTIONS[facts['joint_convention']].coordinates
+        joints = JointMap((a, b, c), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+        topic = facts['angles_topic']
+        if not topic:
+            topic, joints = facts['topic'], JointMap.of_facts(facts)
+    except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
+        raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
+    return assembled(
+        path, facts, columns_of_bag(path, muscle, JointTaker(topic, JointMemory(joints)))
+    )
+
+
+def columns_of_bag(path: Path, muscle: str, taker: JointTaker) -> dict[str, Floats]:
+    """Return the columns of an annotated bag: the angles and the answers to them."""
+    wanted = {f'/{muscle}/{name}': name for name in ('band_lengths', 'moment_arms', 'wrap_states')}
+    answers: dict[str, list[Any]] = {name: [] for name in wanted.values()}
+    frames: list[Frame] = []
+    answered: list[Frame] = []
+    names: dict[str, list[str]] = {}
+    with closing(opened(path)) as reader:
+        for connection, time, data in reader.messages():
+            topic = connection.topic
+            if taker.wants(topic, connection.msgtype):
+                message = deserialized(reader, data, connection.msgtype)
+                with suppress(Rejected):
+                    frames = list(taker.take(message, topic, time))
+            elif topic in wanted:
+                message = deserialized(reader, data, connection.msgtype)
+                answers[wanted[topic]].append(message.data)
+                names = {
+                    kind: listed.split(',')
+                    for kind, _, listed in (dim.label.partition(':') for dim in message.layout.dim)
+                } | names
+                if wanted[topic] == 'band_lengths':  # the first of an answer
+                    answered += frames
+    bands, coordinates = names['band'], names['coordinate']
+    times = np.array([frame.stamp for frame in answered]) * 1e-9
+    angles = np.array([frame.angles for frame in answered])
+    arms = np.array(answers['moment_arms'])
+    columns = {'time': times}
+    columns |= {f'angles/{name}': each for name, each in zip(coordinates, angles.T, strict=True)}
+    for topic in ('band_lengths', 'wrap_states'):
+        values = np.array(answers[topic]).T
+        columns |= {f'{topic}/{band}': each for band, each in zip(bands, values, strict=True)}
+    pairs = [(band, name) for band in bands for name in coordinates]
+    columns |= {
+        f'moment_arms/{band}/{name}': each for (band, name), each in zip(pairs, arms.T, strict=True)
+    }
+    return columns
+
+
+def assembled(path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats]) -> Processed:
+    """Return the columns of an output as arrays; KeyError or ValueError if they are not there."""
+    coordinates = tuple(name[7:] for name in columns if name.startswith('angles/'))
+    bands = tuple(name[13:] for name in columns if name.startswith('band_lengths/'))
+    arms = [columns[f'moment_arms/{band}/{each}'] for band in bands for each in coordinates]
+    times = columns['time']
+    if not len(times):
+        raise ValueError('no frames in it')
+    return Processed(
+        title=f'{path.name}: {facts["muscle"]}, {facts["side"]}, {facts["joint_convention"]}',
+        heads={head: tuple(names) for head, names in json.loads(facts['heads']).items()},
+        bands=bands,
+        coordinates=coordinates,
+        times=times,
+        angles=np.column_stack([columns[f'angles/{each}'] for each in coordinates]),
+        lengths=np.column_stack([columns[f'band_lengths/{band}'] for band in bands]),
+        arms=np.column_stack(arms).reshape(len(times), len(bands), 3),
+        wrap=np.column_stack([columns[f'wrap_states/{band}'] for band in bands]).astype(np.uint8),
+    )

@@ -1,0 +1,211 @@
+"""Process recordings: joint angles in, the same with the muscle's state beside them out.
+
+A recording is worked on in chunks; each recording is a task of its own, and tasks share nothing
+(`workers` does many).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from .. import __version__
+from ..errors import RecordingError
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.joint_state import JointMap
+from ..muscle.broad_muscle import BroadMuscle
+from ..recordings.bag_motion import BagMotion
+from ..recordings.frames import Bones
+from ..recordings.motion import Chunk, Motion, Refused
+from ..recordings.smoothing import Smoothed
+from ..recordings.table_motion import TableMotion
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..types import Floats
+from .bag_output import BagOutput
+from .outputs import CsvOutput, Described, Output, ParquetOutput, Solved, format_of, in_place
+
+TABLES = ('.mot', '.sto', '.csv')
+
+
+@dataclass(frozen=True)
+class Task:
+    """One recording to be processed; numbers in SI."""
+
+    source: Path
+    target: Path
+    kind: str | None = None
+    """bag, csv or parquet; None: by the target's ending."""
+    muscle: str = 'deltoid'
+    scale: str = '1'
+    """As BroadMuscle.scaled takes it."""
+    side: str = 'right'
+    convention: str = 'flexion_abduction_rotation'
+    joints: tuple[str, ...] = ()
+    signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    offsets: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    degrees: bool | None = None
+    topic: str | None = None
+    bones: Bones | None = None
+    """The frames to take the angles from, instead of joint states."""
+    frame_id: str = 'scapula'
+    rate: float | None = None
+    lowpass: float | None = None
+    differentiate: bool = False
+    """Whether the velocities are differences in time, whatever was recorded."""
+    markers: bool = True
+    """Whether a bag gets the markers, too."""
+    force: bool = False
+
+
+@dataclass(frozen=True)
+class Report:
+    """What has become of a task."""
+
+    task: Task
+    frames: int = 0
+    seconds: float = 0.0
+    refused: Mapping[str, int] = field(default_factory=dict)
+    first: Mapping[str, str] = field(default_factory=dict)
+    outside: int = 0
+    """Frames outside the range of motion of the model."""
+    fault: str = ''
+    """Why there is no output, in one line; empty: there is one."""
+
+
+def motion_of(task: Task) -> Motion:
+    """Open a task's recording; RecordingError if it is no good."""
+    convention = JOINT_CONVENTIONS[task.convention]
+    a, b, c = task.joints or convention.coordinates
+    joints = JointMap((a, b, c), task.signs, task.offsets)
+    motion: Motion
+    if task.source.suffix.lower() in TABLES:
+        if task.bones is not None:
+            raise RecordingError(f'{task.source}: a table has no frames; --humerus is for bags')
+        motion = TableMotion(task.source, joints, task.degrees)
+    elif task.bones is not None:
+        motion = BagMotion.of_poses(task.source, task.bones, convention, task.side)
+    else:
+        motion = BagMotion.of_joints(task.source, joints, task.topic)
+    if task.rate is None and task.lowpass is None and not task.differentiate:
+        return motion
+    return Smoothed(motion, task.rate, task.lowpass)
+
+
+def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
+    """Return what a task's output says of itself."""
+    convention = JOINT_CONVENTIONS[task.convention]
+    angles_topic = ''
+    if isinstance(motion, TableMotion):
+        angles_topic = '/joint_states'
+    elif isinstance(motion, Smoothed) or task.bones is not None:
+        angles_topic = f'/{muscle.name}/joint_states'
+    facts = {
+        'made_by': f'linkedplane_ros {__version__}',
+        'source': task.source.name,
+        'muscle': muscle.name,
+        'model': task.muscle,
+        'model_source': muscle.source,
+        'scale': task.scale,
+        'heads': json.dumps({head.name: head.bands for head in muscle.heads}),
+        'side': task.side,
+        'joint_convention': convention.name,
+        'rotation': convention.formula,
+        **motion.facts,
+        'resampled_to_hz': 'no' if task.rate is None else f'{task.rate:g}',
+        'lowpass_hz': 'no'
+        if task.lowpass is None
+        else f'{task.lowpass:g} (Butterworth, both ways: no lag)',
+        'angles_topic': angles_topic,
+        'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
+    }
+    return Described(
+        muscle, convention.coordinates, task.frame_id, facts, angles_topic, task.markers
+    )
+
+
+def output(path: Path, kind: str, described: Described, motion: Motion) -> Output:
+    """Open an output of a kind, bag, csv or parquet, for the frames of a motion."""
+    if kind == 'csv':
+        return CsvOutput(path, described)
+    if kind == 'parquet':
+        return ParquetOutput(path, described)
+    return BagOutput(path, described, motion.path if motion.keeps_records else None)
+
+
+def solved(chunk: Chunk, solver: LinkedPlaneSolver, convention: str, refused: Refused) -> Solved:
+    """Solve a chunk; frames at which a band has no plane are refused and left out."""
+    rotations, axes = JOINT_CONVENTIONS[convention].rotations_and_axes(chunk.angles, solver.side)
+    try:
+        states = solver.solve_batch(rotations)
+    except ValueError:
+        good = np.array([solvable(solver, each) for each in rotations])
+        for stamp in chunk.stamps[~good].tolist():
+            refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
+        return solved(chunk.of(good), solver, convention, refused)
+    arms = states.moment_vectors @ axes
+    lengthening = -np.einsum('knj,kj->kn', arms, chunk.speeds)
+    return Solved(chunk, states, arms, lengthening)
+
+
+def solvable(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
+    """Return whether every band has a plane at a rotation (3, 3)."""
+    try:
+        solver.solve(rotation)
+    except ValueError:
+        return False
+    return True
+
+
+Progress = Callable[[int, float], None]
+
+
+def run(task: Task, progress: Progress = lambda frames, share: None) -> Report:
+    """Process one recording; a fault is reported, not raised.
+
+    `progress` is told, chunk by chunk, of the frames done and the share of the recording, 0 to 1.
+    """
+    try:
+        muscle = BroadMuscle.load(task.muscle).scaled(task.scale)
+        solver = LinkedPlaneSolver(muscle, task.side)
+        JOINT_CONVENTIONS[task.convention].rotation((0.0, 0.0, 0.0))
+        begin = perf_counter()  # all is compiled
+        target, source = task.target.resolve(), task.source.resolve()
+        if target == source or target in source.parents:
+            raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
+        kind = format_of(task.target, task.kind)
+        motion = motion_of(task)
+        motion.keeps_records = motion.keeps_records and kind == 'bag'
+        frames = outside = 0
+        with in_place(task.target, task.force, kind == 'bag') as beside:
+            out = output(beside, kind, described(task, muscle, motion), motion)
+            try:
+                for chunk in motion.chunks():
+                    each = solved(chunk, solver, task.convention, motion.refused)
+                    out.write(each)
+                    frames += len(each.chunk.stamps)
+                    outside += muscle.outside(each.states.rotation)
+                    progress(frames, chunk.share)
+            finally:
+                out.close()
+            if not frames:
+                first = next(iter(motion.refused.first.values()), 'no frames in it')
+                raise RecordingError(f'{task.source}: nothing was usable: {first}')
+    except ValueError as error:
+        return Report(task, fault=str(error))
+    except Exception as error:  # whatever it is, the other recordings are still done
+        return failed(task, error)
+    refused = motion.refused
+    return Report(
+        task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside
+    )
+
+
+def failed(task: Task, error: Exception) -> Report:
+    """Return the report of a task that ended with what nobody foresaw."""
+    text = (str(error).splitlines() or [''])[0]
+    return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')

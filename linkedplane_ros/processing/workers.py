@@ -1,0 +1,192 @@
+"""Many recordings: one after the other, in processes of their own, or on a Dask cluster.
+
+The results do not depend on how many work at a time.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.connection import wait
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import RecordingError
+from .outputs import remove, workshop
+from .task import Report, Task, failed, run
+
+# a fresh interpreter: threads and compiled code do not outlive a fork well
+CONTEXT = get_context('spawn')
+LOOK = 0.1  # s, how often the progress of other processes is looked at
+FRAMES, SHARE = range(2)  # what the board tells of each task
+
+Shown = Callable[[int, float], None]
+
+
+def run_all(
+    tasks: Sequence[Task], jobs: int, dask: str | None, shown: Shown = lambda frames, share: None
+) -> Iterator[Report]:
+    """Process recordings, so many at a time, here or on a Dask cluster; yield each report.
+
+    `shown` is told of all frames done so far and the share of the whole, 0 to 1, by size.
+    """
+    sizes = np.array([float(size(task.source)) for task in tasks])
+    board = CONTEXT.Array('d', 2 * len(tasks), lock=False)
+
+    def show() -> None:
+        done = np.array(board).reshape(-1, 2)
+        shown(int(done[:, FRAMES].sum()), float(done[:, SHARE] @ sizes / sizes.sum()))
+
+    for number, report in working(tasks, jobs, dask, board, show):
+        tell(board, number, report.frames, 1.0)
+        show()
+        yield report
+
+
+def working(
+    tasks: Sequence[Task], jobs: int, dask: str | None, board: Any, show: Callable[[], None]
+) -> Iterator[tuple[int, Report]]:
+    """Yield the number and the report of each task as it ends."""
+    if dask is not None:
+        yield from on_cluster(tasks, dask)
+    elif min(jobs, len(tasks)) > 1:
+        yield from in_processes(tasks, min(jobs, len(tasks)), board, show)
+    else:
+        for number, task in enumerate(tasks):
+
+            def progress(frames: int, share: float, number: int = number) -> None:
+                tell(board, number, frames, share)
+                show()
+
+            yield number, run(task, progress)
+
+
+def size(path: Path) -> int:
+    """Return the bytes of a recording, 1 at least."""
+    files = path.rglob('*') if path.is_dir() else (path,)
+    with suppress(OSError):
+        return max(1, sum(file.stat().st_size for file in files))
+    return 1
+
+
+def tell(board: Any, number: int, frames: int, share: float) -> None:
+    """Put on the board how far a task is."""
+    board[2 * number + FRAMES] = frames
+    board[2 * number + SHARE] = share
+
+
+# In processes of their own
+
+
+class Worker:
+    """A process for one recording after the other; if it dies, that one alone is lost."""
+
+    def __init__(self, board: Any) -> None:
+        """Start the process."""
+        self.pipe, far = CONTEXT.Pipe()
+        self.number = -1
+        self.process = CONTEXT.Process(target=serve, args=(far, board), daemon=True)
+        self.process.start()
+        far.close()
+
+    def begin(self, number: int, task: Task) -> None:
+        """Give it a task; if it is dead, that shows when the answer is asked for."""
+        self.number = number
+        with suppress(OSError):
+            self.pipe.send((number, task))
+
+    def end(self) -> None:
+        """End the process; what it was writing is removed."""
+        self.process.terminate()
+        self.process.join()
+
+
+def serve(pipe: Any, board: Any) -> None:
+    """Work off tasks as they come; an interruption is the other end's to tell."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())
+    with suppress(EOFError, OSError):
+        while True:
+            number, task = pipe.recv()
+            pipe.send(run(task, partial(tell, board, number)))
+
+
+def in_processes(
+    tasks: Sequence[Task], jobs: int, board: Any, show: Callable[[], None]
+) -> Iterator[tuple[int, Report]]:
+    """Process so many recordings at a time; an interruption ends them and leaves nothing behind."""
+    left = iter(enumerate(tasks))
+    busy: dict[Any, Worker] = {}
+    idle = [Worker(board) for _ in range(jobs)]
+    try:
+        while True:
+            while idle and (following := next(left, None)) is not None:
+                worker = idle.pop()
+                worker.begin(*following)
+                busy[worker.pipe] = worker
+            if not busy:
+                return
+            ready: list[Any] = wait(list(busy), LOOK)
+            for pipe in ready:
+                worker = busy.pop(pipe)
+                task = tasks[worker.number]
+                try:
+                    report: Report = pipe.recv()
+                    idle.append(worker)
+                except (EOFError, OSError):
+                    worker.end()
+                    remove(workshop(task.target, worker.process.pid))
+                    code = worker.process.exitcode
+                    report = Report(task, fault=f'{task.source}: its process died, status {code}')
+                    idle.append(Worker(board))
+                yield worker.number, report
+            show()
+    finally:
+        for worker in (*idle, *busy.values()):
+            worker.end()
+
+
+# On a cluster
+
+
+def on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Report]]:
+    """Process recordings on a Dask cluster that sees the same files."""
+    try:
+        from dask.distributed import Client, as_completed
+    except ImportError:
+        raise RecordingError(
+            "a cluster needs Dask: pip install 'linkedplane_ros[cluster]'"
+        ) from None
+    try:
+        client = Client(address, timeout='10s')
+    except (OSError, ValueError) as error:
+        raise RecordingError(f'--dask {address}: not reached: {error}') from None
+    with client:
+        futures = {
+            client.submit(run, anywhere(task), pure=False): number
+            for number, task in enumerate(tasks)
+        }
+        try:
+            for future in as_completed(list(futures)):
+                number = futures[future]
+                try:
+                    report = replace(future.result(), task=tasks[number])
+                except Exception as error:
+                    report = failed(tasks[number], error)
+                yield number, report
+        finally:
+            client.cancel(list(futures))
+
+
+def anywhere(task: Task) -> Task:
+    """Return a task with paths that hold in any folder."""
+    model = Path(task.muscle)
+    muscle = str(model.resolve()) if model.is_file() else task.muscle
+    return replace(task, source=task.source.resolve(), target=task.target.resolve(), muscle=muscle)

@@ -1,0 +1,1 @@
+"""Motion from files: bags, OpenSim's tables and CSV, as angles over time."""

@@ -1,0 +1,98 @@
+"""JointStates out of ROS 2 recordings (rosbag2: sqlite3 and mcap), by the rosbags library."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import RecordingError
+
+JOINT_STATE = 'sensor_msgs/msg/JointState'
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One recorded message, as its bytes stand in the recording."""
+
+    topic: str
+    time: int
+    """When it was recorded, ns since the epoch."""
+    data: bytes
+    """CDR."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A rosbag2 recording that holds JointStates."""
+
+    path: Path
+    topics: tuple[str, ...]
+    """The topics of its JointStates."""
+    start: int
+    """The time of its first message of any kind, ns since the epoch."""
+    end: int
+    count: int
+    """How many JointStates it holds."""
+
+    @staticmethod
+    def open(path: str | Path) -> Recording:
+        """Look into a bag (a folder, or an .mcap or .db3 file); RecordingError if it is no good."""
+        path = Path(path)
+        with closing(opened(path)) as reader:
+            found = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+            count = sum(c.msgcount for c in found)
+            if not count:
+                kinds = ', '.join(sorted({c.msgtype for c in reader.connections})) or 'nothing'
+                raise RecordingError(f'{path}: no {JOINT_STATE} in it, but {kinds}')
+            topics = tuple(sorted({c.topic for c in found}))
+            return Recording(path, topics, reader.start_time, reader.end_time, count)
+
+    def messages(self, start_offset: float = 0.0) -> Iterator[Recorded]:
+        """Return the JointStates in recorded order, from start_offset (s) on, one at a time."""
+        begin = self.start + round(1e9 * start_offset)
+        with closing(opened(self.path)) as reader:
+            wanted = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+            try:
+                for connection, time, data in reader.messages(wanted, start=begin):
+                    yield Recorded(connection.topic, time, bytes(data))
+            except Exception as error:  # a broken file breaks in many ways
+                raise RecordingError(f'{self.path}: damaged: {error}') from None
+
+
+def deserialized(reader: Any, data: bytes, kind: str) -> Any:
+    """Return a message of its bytes.
+
+    Messages that rclpy serialised end in up to 12 bytes of nothing, which rosbags does not take.
+    """
+    try:
+        return reader.deserialize(data, kind)
+    except Exception as error:
+        for surplus in (4, 8, 12):
+            with suppress(Exception):
+                return reader.deserialize(data[:-surplus], kind)
+        raise error
+
+
+def opened(path: Path) -> Any:
+    """Return an open reader of a rosbag2; every fault of the file is a RecordingError."""
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise RecordingError(
+            "a recording needs the rosbags library: pip install 'linkedplane_ros[tools]'"
+        ) from None
+    if not path.exists():
+        raise RecordingError(f'{path}: no such file or folder')
+    if path.suffix == '.bag':
+        raise RecordingError(f'{path}: a ROS 1 bag; convert it with rosbags-convert first')
+    try:
+        reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
+        reader.open()
+    except Exception as error:  # a broken file breaks in many ways
+        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise RecordingError(f'{path}: not a readable rosbag2: {text}') from None
+    return reader

@@ -1,0 +1,105 @@
+"""The motion in a table: three columns of angles over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import RecordingError
+from ..joints.joint_state import FULL_CIRCLE, JointMap
+from ..types import Floats
+from .motion import ROWS, Chunk, Refused, in_nanoseconds
+from .tables import Table, choose, differentiated
+
+
+class TableMotion:
+    """Three columns of a table; their velocities are differences in time."""
+
+    def __init__(self, path: Path, joints: JointMap, degrees: bool | None) -> None:
+        """Read the header; RecordingError if it is no good, or lacks a column."""
+        self.path: Path = path
+        self.refused: Refused = Refused()
+        self.joints = joints
+        self.table = Table.open(path)
+        self.keeps_records = False
+        self.columns, unit = choose_with_unit(self.table, joints.names)
+        in_degrees, says = next(
+            (said, who)
+            for said, who in (
+                (degrees, '--degrees'),
+                (unit, 'the names of the columns'),
+                (self.table.in_degrees, 'inDegrees in the file'),
+                (False, 'nothing says otherwise'),
+            )
+            if said is not None
+        )
+        self.scale = np.pi / 180.0 if in_degrees else 1.0
+        self.facts: Mapping[str, str] = {
+            'columns': ', '.join(self.columns),
+            'read_in': f'{"deg" if in_degrees else "rad"}: {says}',
+            **joints.facts,
+            'velocities': 'differentiated',
+        }
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield the rows that can be used."""
+        times, angles = np.empty(0), np.empty((0, 3))
+        share = 0.0
+        first = row = 0  # the first of the held rows that is still to be given
+        for new_times, values, share in self.table.chunks(self.columns, ROWS):
+            values = values * self.scale
+            good = self._usable(new_times, values, row)
+            row += len(new_times)
+            times = np.concatenate((times, new_times[good]))
+            angles = np.concatenate(
+                (angles, (values * self.joints.signs + self.joints.offsets)[good])
+            )
+            # a difference takes both neighbours: the last row waits for the next chunk
+            if len(times) > 1 + first:
+                yield self._chunk(times, angles, slice(first, -1), share)
+                times, angles, first = times[-2:], angles[-2:], 1
+        if len(times) > first:
+            yield self._chunk(times, angles, slice(first, None), share)
+
+    def _chunk(self, times: Floats, angles: Floats, part: slice, share: float) -> Chunk:
+        with np.errstate(divide='ignore', invalid='ignore'):  # times that stand still
+            speeds = differentiated(times, np.unwrap(angles, axis=0))
+        speeds[~np.isfinite(speeds).all(axis=1)] = np.nan
+        try:
+            stamps = in_nanoseconds(times[part])
+        except ValueError as error:
+            raise RecordingError(f'{self.path}: {error}') from None
+        before = [-1] * len(stamps)
+        return Chunk(stamps, angles[part], speeds[part], stamps, share, (), before)
+
+    def _usable(self, times: Floats, angles: Floats, row: int) -> npt.NDArray[np.bool_]:
+        """Return which rows are angles; the others are refused, as the node does."""
+        finite = np.isfinite(angles).all(axis=1)
+        small = ~(np.abs(angles) > FULL_CIRCLE).any(axis=1)
+        for reason, bad, hint in (
+            ('not_finite', ~finite, 'a finite angle expected'),
+            ('degrees', finite & ~small, 'degrees? radians expected (--degrees)'),
+        ):
+            if bad.any():
+                k = int(np.argmax(bad))
+                where = f'row {row + k + 1}, {times[k]:.2f} s: {angles[k].tolist()}: {hint}'
+                self.refused.add(reason, where, int(bad.sum()))
+        return np.asarray(finite & small)
+
+
+def choose_with_unit(table: Table, names: Sequence[str]) -> tuple[tuple[str, ...], bool | None]:
+    """Return the columns of three joints; and whether they are in degrees, if their names say so.
+
+    A column may carry its unit behind the joint's name: `_rad` or `_deg`.
+    """
+    for ending, in_degrees in (('_rad', False), ('_deg', True)):
+        wanted = [name + ending for name in names]
+        if set(wanted) <= set(table.columns):
+            return tuple(wanted), in_degrees
+    try:
+        return choose(table.columns, names), None
+    except RecordingError as error:
+        raise RecordingError(f'{table.path}: {error}') from None

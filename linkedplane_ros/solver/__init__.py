@@ -1,0 +1,1 @@
+"""A muscle at a pose: lengths, moment vectors, wrap states, and how deep bands enter bone."""

@@ -1,0 +1,206 @@
+"""What will hurt in a model: looked for over its range of motion, told by band and pose."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..muscle.broad_muscle import BroadMuscle
+from ..muscle.definition import COORDINATES
+from ..types import Floats
+from .interference import depths
+from .linked_plane_solver import LinkedPlaneSolver, MuscleStates, WrapState
+
+DEFAULT_RANGE = tuple(
+    (math.radians(low), math.radians(high)) for low, high in ((-40, 120), (0, 120), (-60, 60))
+)
+"""The published deltoid's, rad: where a model states none."""
+STEPS = (9, 7, 5)  # poses along flexion, abduction and rotation
+CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
+JUMP = 1e-3  # m: what a length may jump by
+HALVINGS = 14  # of the way between two poses, until what does not jump has hardly changed
+NEAR = 10.0  # deg from a band's line to the normal that its plane follows
+OVER = 90.0  # deg between the sides to which neighbours bulge
+
+
+@dataclass(frozen=True)
+class Look:
+    """What was looked at, and what was found."""
+
+    poses: int
+    range_of_motion: tuple[tuple[float, float], ...]
+    """Of flexion, abduction and rotation, rad."""
+    warnings: tuple[str, ...]
+    """A line for each band and kind of trouble, with its worst pose."""
+
+
+def looked_over(muscle: BroadMuscle) -> Look:
+    """Solve a muscle at a grid of poses over its range of motion, or the deltoid's; warn."""
+    limits = muscle.range_of_motion or DEFAULT_RANGE
+    axes = [np.unique(np.linspace(*span, n)) for span, n in zip(limits, STEPS, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing='ij'), axis=-1)
+    angles = grid.reshape(-1, 3)
+    rotations, turns = CONVENTION.rotations_and_axes(angles)
+    solver = LinkedPlaneSolver(muscle)
+    found: list[str] = []
+    reasons = [''] * len(angles)
+    try:
+        states = solver.solve_batch(rotations)
+    except ValueError:
+        reasons = [unsolved(solver, rotation) for rotation in rotations]
+    good = np.array([not reason for reason in reasons])
+    if not good.all():
+        k = int(good.argmin())
+        found.append(f'{reasons[k]} ({told(angles[k])}); at {(~good).sum()} of {len(good)} poses')
+        states = solver.solve_batch(rotations[good])
+    for kind in (inside, along, over, entering):
+        found += kind(muscle, states, angles[good])
+    if good.all():
+        found += jumps(solver, grid, states, turns)
+    return Look(len(rotations), limits, tuple(found))
+
+
+def unsolved(solver: LinkedPlaneSolver, rotation: Floats) -> str:
+    """Return why there is no answer at a rotation (3, 3); empty: there is one."""
+    try:
+        solver.solve(rotation)
+    except ValueError as error:
+        return str(error).removeprefix('rotation: ')
+    return ''
+
+
+def told(angles: Floats) -> str:
+    """Return a pose, angles (3,) in rad, in words."""
+    degrees = np.degrees(angles).round().astype(int).tolist()
+    return ', '.join(f'{name} {d}' for name, d in zip(COORDINATES, degrees, strict=True)) + ' deg'
+
+
+def inside(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[str]:
+    """Tell of attachments inside their obstacle spheres: no path, a straight line instead."""
+    depths = np.full((2, *states.lengths.shape), -np.inf)  # m, of origins and insertions
+    for k in np.flatnonzero((states.wrap == WrapState.INSIDE).any(axis=1)).tolist():
+        for end, points in enumerate((muscle.origins, states[k].insertions)):
+            away = np.linalg.norm(points - states[k].sphere_centres, axis=1)
+            depths[end, k] = muscle.sphere_radii - away
+    for name, depth in zip(('origin', 'insertion'), 1e3 * depths, strict=True):
+        text = f'its {name} lies inside its obstacle sphere, up to {{:.1f}} mm deep'
+        yield from worst(muscle, angles, depth, 0.0, text)
+
+
+def along(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[str]:
+    """Tell of normals that run nearly along the next band: its plane hangs on next to nothing."""
+    between, _ = fan(muscle, states)
+    text = 'its plane hangs on a normal that runs within {:.1f} deg of its line'
+    yield from worst(muscle, angles, -between, -NEAR, text)
+
+
+def over(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[str]:
+    """Tell of bands that bulge to another side than the band before: the fan is turned over."""
+    _, apart = fan(muscle, states)
+    text = (
+        'its plane angle turns the fan over: it bulges up to {:.0f} deg away from the band before'
+    )
+    yield from worst(muscle, angles, apart, OVER, text)
+
+
+def entering(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[str]:
+    """Tell of bands whose paths enter the muscle's interference spheres."""
+    if not muscle.interference_names or not len(states):
+        return
+    deep = np.array([depths(state)[0].max(axis=1) for state in states])
+    yield from worst(muscle, angles, 1e3 * deep, 0.0, 'it enters bone, by up to {:.1f} mm')
+
+
+def fan(muscle: BroadMuscle, states: MuscleStates) -> tuple[Floats, Floats]:
+    """Return two angles of each band's plane, deg (m, n).
+
+    That between the band's line and the normal it follows, up to 90 deg; and that between the sides
+    to which it and the band before it bulge, 0 for the first.
+    """
+    ends = np.einsum('mij,nj->mni', states.rotation, muscle.insertions)
+    lines = ends - muscle.origins
+    u = lines / np.linalg.norm(lines, axis=2, keepdims=True)
+    m, n = states.lengths.shape
+    between, apart = np.empty((m, n)), np.zeros((m, n))
+    normal = np.broadcast_to(muscle.reference_normal, (m, 3))
+    bulge = np.zeros((m, 3))
+    for i in range(n):
+        phi = (states.theta if i == 0 else np.full(m, muscle.plane_angles[i]))[:, np.newaxis]
+        across = normal - (normal * u[:, i]).sum(axis=1, keepdims=True) * u[:, i]
+        size = np.linalg.norm(across, axis=1, keepdims=True)
+        between[:, i] = np.degrees(np.arcsin(np.minimum(size[:, 0], 1.0)))
+        across = across / size
+        normal = np.cos(phi) * across + np.sin(phi) * np.cross(u[:, i], across)
+        before, bulge = bulge, np.cross(u[:, i], normal)
+        if i:
+            cosine = (before * bulge).sum(axis=1)
+            apart[:, i] = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return between, apart
+
+
+def jumps(
+    solver: LinkedPlaneSolver, grid: Floats, states: MuscleStates, axes: Floats
+) -> Iterator[str]:
+    """Tell of lengths that jump between poses of the grid (.., .., .., 3) beside each other.
+
+    A plane leaves its sphere on the side of the bulge, or another way round becomes the shortest.
+    Where a change of length is not what the moment arms at both ends foretell, it is looked for.
+    """
+    shape = (*grid.shape[:3], len(solver.muscle.band_names))
+    lengths = states.lengths.reshape(shape)
+    arms = (states.moment_vectors @ axes).reshape(*shape, 3)
+    pairs, steps = 0, []
+    for j in range(3):
+        near, far = ((slice(None),) * j + (part,) for part in (slice(-1), slice(1, None)))
+        turn = (grid[far] - grid[near])[..., j, np.newaxis]
+        foretold = -0.5 * (arms[near] + arms[far])[..., j] * turn
+        unlike = (np.abs(lengths[far] - lengths[near] - foretold) > JUMP).any(axis=-1)
+        pairs += unlike.size
+        steps.append(np.stack((grid[near][unlike], grid[far][unlike])))
+    start, end = np.concatenate(steps, axis=1)
+    try:
+        for _ in range(HALVINGS):
+            middle = 0.5 * (start + end)
+            changes = np.abs(np.diff(solved_at(solver, start, middle, end), axis=0)).max(axis=2)
+            later = (changes[1] > changes[0])[:, np.newaxis]
+            start, end = np.where(later, middle, start), np.where(later, end, middle)
+        leaps = 1e3 * np.abs(np.diff(solved_at(solver, start, end), axis=0))[0]
+    except ValueError as error:
+        yield f'{error} (between those looked at)'
+        return
+    text = 'its length jumps, by up to {:.1f} mm'
+    where = f'between {{}} of {pairs} pairs of neighbouring poses'
+    yield from worst(solver.muscle, start, leaps, 1e3 * JUMP, text, where)
+
+
+def solved_at(solver: LinkedPlaneSolver, *angles: Floats) -> Floats:
+    """Return the lengths (k, m, n) at k times (m, 3) angles, rad."""
+    rotations, _ = CONVENTION.rotations_and_axes(np.concatenate(angles))
+    n = len(solver.muscle.band_names)
+    return solver.solve_batch(rotations).lengths.reshape(len(angles), -1, n)
+
+
+def worst(
+    muscle: BroadMuscle,
+    angles: Floats,
+    amounts: Floats,
+    limit: float,
+    text: str,
+    where: str = '',
+) -> Iterator[str]:
+    """Tell for each band whose amount (m, n) is above a limit how bad it gets, and where.
+
+    `text` has a place for the amount, `where` for the number of poses; all of `angles`, if empty.
+    """
+    where = where or f'at {{}} of {len(angles)} poses'
+    for i in np.flatnonzero((amounts > limit).any(axis=0)).tolist():
+        k = int(amounts[:, i].argmax())
+        count = int((amounts[:, i] > limit).sum())
+        yield (
+            f'{muscle.band_names[i]}: {text.format(abs(amounts[k, i]))} ({told(angles[k])}); '
+            f'{where.format(count)}'
+        )

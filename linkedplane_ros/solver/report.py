@@ -1,0 +1,94 @@
+"""A muscle model in words: what `linkedplane info` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import resources
+
+import numpy as np
+
+from ..muscle.broad_muscle import BroadMuscle
+from ..muscle.definition import COORDINATES
+from .check import looked_over
+from .linked_plane_solver import LinkedPlaneSolver, WrapState
+
+
+def report(muscle: BroadMuscle) -> Iterator[str]:
+    """Yield the lines: the model, its bands with the arm at the side, what will hurt."""
+    heads = counted(len(muscle.heads), 'head')
+    yield f'{muscle.name}: {counted(len(muscle.band_names), "band")}, {heads}'
+    yield muscle.source
+    yield f'licence: {muscle.licence or "not stated"}'
+    yield 'right shoulder; x lateral, y anterior, z superior; lengths in mm, angles in rad'
+    yield from spheres(muscle)
+    yield ''
+    yield from bands(muscle)
+    yield ''
+    for head in muscle.heads:
+        yield f'{head.name}: {", ".join(head.bands)}; represented by {head.represented_by}'
+    for mark in muscle.landmarks:
+        at = ' '.join(f'{1e3 * x:.1f}' for x in mark.at)
+        yield f'landmark {mark.name}: {mark.bone} {at}'
+    yield from warnings(muscle)
+
+
+def spheres(muscle: BroadMuscle) -> Iterator[str]:
+    """Tell what the obstacle spheres move with, and how many there are."""
+    places = {
+        'moving': "in their bands' moving frames",
+        'ground': 'on the scapula',
+        'humerus': 'on the humerus',
+    }
+    shared = muscle.sharers()
+    for frame, place in places.items():
+        bands = [each for first, each in shared.items() if muscle.sphere_frames[first] == frame]
+        if bands:
+            yield (
+                f'{counted(len(bands), "obstacle sphere")} {place}, '
+                f'for {counted(sum(map(len, bands)), "band")}'
+            )
+
+
+def bands(muscle: BroadMuscle) -> Iterator[str]:
+    """Tell of each band's ends, sphere and length with the arm at the side."""
+    state = LinkedPlaneSolver(muscle).solve(np.eye(3))
+    yield (f'{"band":<14}{"head":<12}{"origin (scapula)":>24}{"insertion (humerus)":>24}'
+           f'{"radius":>8}{"phi":>8}{"length":>8}  wrap')  # fmt: skip
+    for i, band in enumerate(muscle.band_names):
+        origin, insertion = (
+            ' '.join(f'{1e3 * x:7.1f}' for x in point[i])
+            for point in (muscle.origins, muscle.insertions)
+        )
+        phi = 'theta' if i == 0 else f'{muscle.plane_angles[i]:.3f}'
+        yield (f'{band:<14}{muscle.head_of(band):<12}{origin:>24}{insertion:>24}'
+               f'{1e3 * muscle.sphere_radii[i]:8.1f}{phi:>8}{1e3 * state.lengths[i]:8.1f}'
+               f'  {WrapState(state.wrap[i]).name.lower()}')  # fmt: skip
+    yield ''
+    yield f'arm at the side: theta {state.theta:.6f} rad, total {1e3 * state.total_length:.3f} mm'
+
+
+def warnings(muscle: BroadMuscle) -> Iterator[str]:
+    """Tell where the muscle was looked over, and what was found."""
+    look = looked_over(muscle)
+    spans = ', '.join(
+        f'{name} {low:.0f} to {high:.0f}'
+        for name, (low, high) in zip(COORDINATES, np.degrees(look.range_of_motion), strict=True)
+    )
+    whose = 'its' if muscle.range_of_motion else "the deltoid's (it states none)"
+    yield (
+        f'range of motion, {whose}: {spans} deg; {counted(look.poses, "pose")} looked at, '
+        f'{counted(len(look.warnings), "warning")}'
+    )
+    for line in look.warnings:
+        yield f'warning: {line}'
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things in words."""
+    return f'{count or "no"} {what}{"s" * (count != 1)}'
+
+
+def schema_line() -> str:
+    """Return the line of a model file that tells an editor its format."""
+    schema = resources.files('linkedplane_ros') / 'models' / 'broad_muscle.schema.json'
+    return f'# yaml-language-server: $schema={schema}'

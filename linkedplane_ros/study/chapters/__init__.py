@@ -1,0 +1,1 @@
+"""The report's chapters: text, tables and pictures."""

@@ -1,0 +1,126 @@
+"""Interference: which band enters which bone sphere, where and by how much."""
+
+from __future__ import annotations
+
+from ...drawing.plot import DEGREES
+from ...solver.linked_plane_solver import WrapState
+from ..experiments import MILLIMETRES
+from ..interference import PRINTED, READINGS, REVERSED_Z, Checks, check
+from ..pictures import charts, figures
+from ..subject import Subject
+from .parts import Cell, Chapter, Picture, Table
+
+ALTERNATIVE = f"""
+    Erratum 9 names an alternative reading: the z axis of the obstacle spheres' moving frame
+    reversed, as a cross product with its factors swapped would give. It is read in two ways here:
+    *{REVERSED_Z}* alone (y as it was; the frame is then left-handed), which is the way that the
+    erratum's words fit best, though *nearly clears bands 1 to 6* does not hold of bands 5 and 6 in
+    flexion; and with y = z cross x taken at its word, so that y turns with it.
+    Neither keeps the bands out of bone.
+"""
+LOST = """
+    Three of the thesis's six spheres are lost (erratum 4) and not made up here; `--spheres FILE`
+    takes them.
+"""
+
+
+def chapter(subject: Subject) -> Chapter:
+    """Return the chapter on interference."""
+    names = ', '.join(subject.muscle.interference_names)
+    if not names:
+        return Chapter('Interference', ['The model has no interference spheres.'])
+    readings = {PRINTED: subject}
+    if subject.is_published:
+        readings |= {name: subject.read_as(name) for name in READINGS if name != PRINTED}
+    found = {name: check(each.experiments) for name, each in readings.items()}
+    pictured = {name: found[name] for name in (PRINTED, REVERSED_Z) if name in found}
+    further = '' if subject.spheres is None else f'; those of `{subject.spheres}` among them'
+    return Chapter('Interference', [
+        f"""
+        A band interferes where any part of its path, straight or curved, touches or enters a sphere
+        that stands for bone (thesis ch. 5). The least distance of the whole path from each centre
+        is computed in closed form. Spheres: {names}{further}. The arm at the side is the first pose
+        of each motion and counts with each, so that 26 poses are 24 different ones.
+        """,
+        *([LOST] if subject.is_published and subject.spheres is None else []),
+        *([_verdict(found[PRINTED]), ALTERNATIVE] if subject.is_published else []),
+        _summary(found),
+        _by_band(found),
+        Picture(
+            'interference_depths',
+            """How far bands pass under the surface of bone: mm of the deepest entry of each band at
+            each pose; below it, small, the numbers of the spheres entered.""",
+            lambda: charts.depths(pictured),
+        ),
+        Picture(
+            'interference_where',
+            """Where: black is the part of a band within bone, white dots are the points nearest to
+            the centres of the spheres that it enters; S4 is sphere 4.""",
+            lambda: figures.entries({name: (readings[name], found[name]) for name in pictured}),
+        ),
+        _entries(found),
+    ])  # fmt: skip
+
+
+def _verdict(checks: Checks) -> str:
+    """Return what the printed parameters do, in a paragraph."""
+    entries = checks.entries
+    deepest = max(entries, key=lambda each: each.depth)
+    straight = sum(each.wrap != WrapState.WRAPPED for each in entries)
+    return f"""
+        **The thesis says that no band enters an interference sphere. With its printed parameters
+        {len(entries)} of {checks.count} checks find one that does, at {checks.poses_entered} of
+        {checks.poses} poses, by up to {MILLIMETRES * deepest.depth:.1f} mm** ({deepest.band} into
+        {deepest.sphere} at {DEGREES * deepest.angle:.0f} deg of {deepest.motion}). {straight} of
+        these entries are of bands that touch no obstacle: the straight line between their printed
+        attachments passes through bone.
+    """
+
+
+def _summary(found: dict[str, Checks]) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for name, checks in found.items():
+        entries = checks.entries
+        deepest = max((each.depth for each in entries), default=None)
+        rows.append(
+            (name, checks.count, len(entries), checks.poses, checks.poses_entered,
+             None if deepest is None else MILLIMETRES * deepest,
+             *(sum(each.sphere == sphere for each in entries) for sphere in checks.spheres))
+        )  # fmt: skip
+    spheres = next(iter(found.values())).spheres
+    return Table(
+        'interference_summary', 'Interference by reading of the printed parameters',
+        ('reading', 'checks', 'entries', 'poses', 'poses_with_entries', 'deepest_mm',
+         *(f'entries_of_{sphere}' for sphere in spheres)), rows,
+    )  # fmt: skip
+
+
+def _by_band(found: dict[str, Checks]) -> Table:
+    bands = next(iter(found.values())).experiments[0].states.solver.muscle.band_names
+    rows: list[tuple[Cell, ...]] = []
+    for k, band in enumerate(bands):
+        cells: list[Cell] = []
+        for checks in found.values():
+            deepest = MILLIMETRES * float(checks.deepest_by_band[k])
+            cells += [int(checks.by_band[k]), deepest if deepest >= 0.0 else None]
+        rows.append((band, *cells))
+    columns = [
+        f'{name.replace(",", "").replace(" ", "_")}_{quantity}'
+        for name in found for quantity in ('entries', 'deepest_mm')
+    ]  # fmt: skip
+    return Table('interference_by_band', 'Entries and the deepest one of each band',
+                 ('band', *columns), rows)  # fmt: skip
+
+
+def _entries(found: dict[str, Checks]) -> Table:
+    rows: list[tuple[Cell, ...]] = [
+        (name, each.motion, round(DEGREES * each.angle), each.band, each.sphere,
+         MILLIMETRES * each.depth, *(MILLIMETRES * x for x in each.point),
+         WrapState(each.wrap).name.lower())
+        for name, checks in found.items() for each in checks.entries
+    ]  # fmt: skip
+    return Table(
+        'interference_entries', 'Every entry, with the point of the path that lies deepest',
+        ('reading', 'motion', 'angle_deg', 'band', 'sphere', 'depth_mm', 'x_mm', 'y_mm', 'z_mm',
+         'wrap_state'), rows, shown=False,
+    )  # fmt: skip

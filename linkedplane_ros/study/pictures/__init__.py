@@ -1,0 +1,1 @@
+"""The study's figures: the muscle at its poses, and charts."""

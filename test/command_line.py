@@ -1,0 +1,31 @@
+"""The command `linkedplane`, in this process: what it prints, its one line where it fails."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import pytest
+
+from linkedplane_ros.commands.main import main
+
+PROGRAM = [sys.executable, '-m', 'linkedplane_ros.commands']
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
+    """Return what a command that must do its work prints."""
+    assert main([str(argument) for argument in arguments]) == 0
+    out, err = capsys.readouterr()
+    assert err == ''
+    return out
+
+
+def fault(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
+    """Return the one line of a command whose input is at fault."""
+    assert main([str(argument) for argument in arguments]) == 1
+    out, err = capsys.readouterr()
+    assert out == ''
+    assert err.startswith('linkedplane: ')
+    assert err.endswith('\n')
+    assert err.count('\n') == 1
+    return err

@@ -1,0 +1,294 @@
+"""The command line: what it prints, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import PROGRAM, fault, said
+
+import linkedplane_ros
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
+from linkedplane_ros.commands.main import main
+
+THESIS = 'flexion_abduction_rotation'
+DELTOID = BroadMuscle.load('deltoid')
+RIGHT = LinkedPlaneSolver(DELTOID)
+MODEL = (Path(__file__).parents[2] / 'linkedplane_ros' / 'models' / 'deltoid.yaml').read_text()
+SHOWN = 0.5e-3  # mm: three decimals are printed
+
+
+def solved(convention: str, angles: tuple[float, ...], side: str = 'right') -> tuple[Any, Any]:
+    """Return the solver's state and moment arms."""
+    chosen = JOINT_CONVENTIONS[convention]
+    state = LinkedPlaneSolver(DELTOID, side).solve(chosen.rotation(angles))
+    return state, state.moment_vectors @ chosen.axes(angles, side)
+
+
+def rows(text: str) -> dict[str, list[str]]:
+    """Return the words of each band's row."""
+    lines = [line.split() for line in text.splitlines()]
+    return {words[0]: words[1:] for words in lines if words and words[0] in DELTOID.band_names}
+
+
+def test_info_shows_every_band_with_its_ends_its_sphere_and_its_length(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = said(capsys, 'info')
+    assert said(capsys, 'info', 'deltoid') == text
+    assert text.startswith('deltoid: 9 bands, 3 heads\n')
+    assert DELTOID.source in text
+    state = RIGHT.solve(np.eye(3))
+    assert f'theta {state.theta:.6f} rad, total {1e3 * state.total_length:.3f} mm' in text
+    found = rows(text)
+    assert tuple(found) == DELTOID.band_names
+    for i, (band, (head, *words, wrap)) in enumerate(found.items()):
+        assert head == DELTOID.head_of(band)
+        assert wrap == WrapState(state.wrap[i]).name.lower()
+        numbers = [float('nan') if word == 'theta' else float(word) for word in words]
+        ends = 1e3 * np.concatenate((DELTOID.origins[i], DELTOID.insertions[i]))
+        # one decimal is printed
+        np.testing.assert_allclose(numbers[:6], ends, rtol=0.0, atol=0.0501)
+        assert numbers[6] == pytest.approx(1e3 * DELTOID.sphere_radii[i], abs=0.0501)
+        assert numbers[8] == pytest.approx(1e3 * state.lengths[i], abs=0.0501)
+        if i:
+            assert numbers[7] == pytest.approx(DELTOID.plane_angles[i], abs=0.000501)
+    assert found['anterior_1'][8] == 'theta'
+    for head in DELTOID.heads:
+        assert f'{head.name}: {", ".join(head.bands)}; represented by {head.represented_by}' in text
+
+
+def test_info_takes_a_model_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / 'mine.yaml'
+    path.write_text(MODEL.replace('name: deltoid', 'name: mine'))
+    assert said(capsys, 'info', path).startswith('mine: 9 bands, 3 heads\n')
+
+
+@pytest.mark.parametrize('side', ['right', 'left'])
+@pytest.mark.parametrize('convention', JOINT_CONVENTIONS)
+def test_json_holds_what_the_solver_gives_to_the_bit(
+    capsys: pytest.CaptureFixture[str], convention: str, side: str
+) -> None:
+    angles = (0.3, 0.8, -0.2)
+    text = said(capsys, 'solve', '--json', '--side', side, '--convention', convention, *angles)
+    state, arms = solved(convention, angles, side)
+    assert json.loads(text) == {
+        'muscle': 'deltoid',
+        'side': side,
+        'convention': convention,
+        'coordinates': list(JOINT_CONVENTIONS[convention].coordinates),
+        'angles_rad': list(angles),
+        'theta_rad': state.theta,
+        'bands': list(DELTOID.band_names),
+        'lengths_m': state.lengths.tolist(),
+        'moment_arms_m': arms.tolist(),
+        'moment_vectors_m': state.moment_vectors.tolist(),
+        'wrap': [WrapState(wrap).name for wrap in state.wrap],
+    }
+
+
+def test_the_table_holds_what_the_solver_gives_in_mm(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, 'solve', '--convention', THESIS, '0.3', '0.8', '-0.2')
+    state, arms = solved(THESIS, (0.3, 0.8, -0.2))
+    for i, (length, *moment_arms, wrap) in enumerate(rows(text).values()):
+        assert float(length) == pytest.approx(1e3 * state.lengths[i], abs=1.01 * SHOWN)
+        shown = [float(word) for word in moment_arms]
+        np.testing.assert_allclose(shown, 1e3 * arms[i], rtol=0.0, atol=1.01 * SHOWN)
+        assert wrap == WrapState(state.wrap[i]).name.lower()
+    assert len(rows(text)) == 9
+    assert f'total {1e3 * state.total_length:.3f} mm, theta {state.theta:.6f} rad' in text
+    assert JOINT_CONVENTIONS[THESIS].formula in text
+    assert 'flexion 17.19 deg, abduction 45.84 deg, rotation -11.46 deg' in text
+
+
+def test_degrees_are_turned_into_radians(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, 'solve', '--json', '--degrees', '--convention', THESIS, '10', '90', '-20')
+    answer = json.loads(text)
+    angles = tuple(np.radians((10.0, 90.0, -20.0)).tolist())
+    assert answer['angles_rad'] == pytest.approx(angles, abs=1e-15)
+    assert answer['lengths_m'] == pytest.approx(solved(THESIS, angles)[0].lengths, abs=1e-12)
+
+
+@pytest.mark.parametrize('convention', JOINT_CONVENTIONS)
+def test_the_left_shoulder_has_the_moment_arms_of_the_right(
+    capsys: pytest.CaptureFixture[str], convention: str
+) -> None:
+    right, left = (
+        json.loads(
+            said(capsys, 'solve', '--json', '--side', side, '--convention', convention,
+                 '0.3', '0.8', '-0.2')
+        )
+        for side in ('right', 'left')
+    )  # fmt: skip
+    assert left['lengths_m'] == pytest.approx(right['lengths_m'], abs=1e-12)
+    for one, other in zip(left['moment_arms_m'], right['moment_arms_m'], strict=True):
+        assert one == pytest.approx(other, abs=1e-12)
+
+
+@pytest.mark.parametrize('angle', ['-0.5', '-.5', '-1', '-0', '1e-3', '-1e-3', '-2.5E-1'])
+def test_an_angle_may_be_written_in_any_usual_way(
+    capsys: pytest.CaptureFixture[str], angle: str
+) -> None:
+    text = said(capsys, 'solve', '--json', '--convention', THESIS, angle, '0', angle)
+    assert json.loads(text)['angles_rad'] == [float(angle), 0.0, float(angle)]
+
+
+@pytest.mark.parametrize(
+    ('angles', 'reason'),
+    [
+        (('0', '90', '0'), '90 rad is more than a full turn; --degrees?'),
+        (('-7', '0', '0'), '7 rad is more than a full turn; --degrees?'),
+        (('inf', '0', '0'), 'inf rad'),
+        (('nan', '0', '0'), '3 finite numbers in rad expected'),
+        (('0', '90', 'nan'), ''),
+        (('--degrees', '0', '1e400', '0'), '3 finite numbers in rad expected'),
+    ],
+)
+def test_angles_that_are_none_are_refused_in_one_line(
+    capsys: pytest.CaptureFixture[str], angles: tuple[str, ...], reason: str
+) -> None:
+    assert reason in fault(capsys, 'solve', '--convention', THESIS, *angles)
+
+
+BROKEN = {
+    'not there': (None, 'cannot be read: No such file or directory'),
+    'empty': ('', 'the file: a mapping of keys expected, nothing given'),
+    'not yaml': ('a: [', 'not valid YAML at line 1'),
+    'a key missing': (MODEL.replace('version: 1', ''), 'version: missing'),
+    'a radius below zero': (MODEL.replace('37.294653]', '-37.294653]'), 'sphere.radius: '),
+}
+
+
+@pytest.mark.parametrize('case', BROKEN)
+def test_a_model_that_is_no_good_is_refused_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, case: str
+) -> None:
+    content, reason = BROKEN[case]
+    path = tmp_path / 'broken.yaml'
+    if content is not None:
+        path.write_text(content)
+    pose = ('solve', '--convention', THESIS, 0, 0, 0, '--muscle')
+    for command in (('info',), pose):
+        line = fault(capsys, *command, path)
+        assert str(path) in line
+        assert reason in line
+
+
+def test_a_name_that_is_no_model_is_refused_with_those_there_are(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    line = fault(capsys, 'info', 'biceps')
+    known = 'deltoid, deltoid_ackland2008, example_humerus_spheres, example_shared_sphere'
+    assert f"'biceps' is neither a bundled model ({known}) nor a path to a .yaml file" in line
+
+
+@pytest.mark.parametrize(
+    'arguments',
+    [
+        (),
+        ('dance',),
+        ('info', 'deltoid', 'deltoid'),
+        ('solve', '0', '0', '0'),
+        ('solve', '--convention', 'euler', '0', '0', '0'),
+        ('solve', '--convention', THESIS),
+        ('solve', '--convention', THESIS, '0', '0'),
+        ('solve', '--convention', THESIS, '0', '0', '0', '0'),
+        ('solve', '--convention', THESIS, '0', 'x', '0'),
+        ('solve', '--convention', THESIS, '--side', 'up', '0', '0', '0'),
+        ('play',),
+        ('play', 'bag', '--rate', '0'),
+        ('play', 'bag', '--rate', 'nan'),
+        ('play', 'bag', '--clock', '-1'),
+        ('play', 'bag', '--start-offset', '-1'),
+        ('play', 'bag', '--wait', 'inf'),
+    ],
+)
+def test_wrong_usage_ends_with_2_and_says_what_is_wrong(
+    capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == ''
+    assert err.startswith('usage: linkedplane')
+    assert 'error: ' in err.splitlines()[-1]
+
+
+def test_help_lists_the_commands_with_what_they_do(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(['--help'])
+    assert caught.value.code == 0
+    text = capsys.readouterr().out
+    for command, does in (
+        ('info', 'Print a muscle model.'),
+        ('solve', 'Print the muscle at one pose.'),
+        ('play', "Play a recording's joint states."),
+        ('study', "Do the thesis's case study again, with a report."),
+    ):
+        assert any(line.split(None, 1) == [command, does] for line in text.splitlines())
+
+
+@pytest.mark.parametrize('command', ['info', 'solve', 'play', 'process', 'plot', 'study'])
+def test_each_command_has_its_help(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main([command, '--help'])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out.startswith(f'usage: linkedplane {command}')
+
+
+def test_the_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(['--version'])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out.strip() == linkedplane_ros.__version__
+
+
+def test_it_needs_no_ros_but_for_play() -> None:
+    check = (
+        'import sys; from linkedplane_ros.commands.main import main; '
+        f"main(['solve', '--convention', {THESIS!r}, '0', '0', '0']); "
+        "sys.exit('rclpy' in sys.modules or 'rosbags' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, '-c', check], stdout=subprocess.DEVNULL).returncode == 0
+
+
+@pytest.mark.parametrize('unbuffered', [False, True])
+def test_a_reader_that_takes_one_line_does_no_harm(unbuffered: bool) -> None:
+    environment = {key: v for key, v in os.environ.items() if key != 'PYTHONUNBUFFERED'}
+    if unbuffered:
+        environment['PYTHONUNBUFFERED'] = '1'
+    with (
+        subprocess.Popen(
+            [*PROGRAM, 'info'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+        ) as program,
+        subprocess.Popen(['head', '-1'], stdin=program.stdout, stdout=subprocess.PIPE) as head,
+    ):
+        assert program.stdout is not None
+        program.stdout.close()
+        assert head.communicate()[0] == b'deltoid: 9 bands, 3 heads\n'
+        assert program.stderr is not None
+        assert program.stderr.read() == b''
+
+
+@pytest.mark.parametrize('unbuffered', [False, True])
+def test_a_reader_that_has_gone_does_no_harm(unbuffered: bool) -> None:
+    environment = {key: v for key, v in os.environ.items() if key != 'PYTHONUNBUFFERED'}
+    if unbuffered:
+        environment['PYTHONUNBUFFERED'] = '1'
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        done = subprocess.run(
+            [*PROGRAM, 'info'], stdout=writing, stderr=subprocess.PIPE, env=environment
+        )
+    finally:
+        os.close(writing)
+    assert done.stderr == b''
+    assert done.returncode in (0, 1)

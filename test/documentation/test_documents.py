@@ -1,0 +1,123 @@
+"""What the documents and configuration files say is what the code does."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from builtin_interfaces.msg import Time
+from ros_harness import Peer
+
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.node.markers import MuscleMarkers
+from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
+from linkedplane_ros.node.outputs import OUTPUTS
+from linkedplane_ros.node.parameters import SPECS, markdown
+
+TOP = Path(__file__).parents[2]
+README = (TOP / 'README.md').read_text()
+
+
+def test_the_readme_has_the_table_of_the_parameters() -> None:
+    table = README.partition('<!-- parameters -->\n')[2].partition('\n<!-- /parameters -->')[0]
+    assert table == markdown()
+
+
+@pytest.mark.parametrize('name', JOINT_CONVENTIONS)
+def test_the_readme_has_every_convention_with_its_coordinates(name: str) -> None:
+    row = next(line for line in README.splitlines() if line.startswith(f'| `{name}`'))
+    assert ', '.join(JOINT_CONVENTIONS[name].coordinates) in row
+
+
+def flat(tree: dict, prefix: str = '') -> dict:
+    """Return a tree of parameters by their dotted names."""
+    found = {}
+    for key, value in tree.items():
+        name = f'{prefix}{key}'
+        found.update(flat(value, f'{name}.') if isinstance(value, dict) else {name: value})
+    return found
+
+
+def test_the_parameter_file_has_the_defaults() -> None:
+    file = yaml.safe_load((TOP / 'config' / 'params.yaml').read_text())
+    given = flat(file['/**/muscle_state_publisher']['ros__parameters'])
+    assert given == {spec.name: spec.default for spec in SPECS if spec.name != 'joint_names'}
+
+
+NAMESPACES = {
+    'attachments',
+    'bands',
+    'bones',
+    'interference_spheres',
+    'interferences',
+    'obstacle_spheres',
+    'planes',
+}
+
+
+def markers_displays(name: str) -> tuple[list[dict], dict]:
+    """Return the marker displays of an RViz configuration, and its global options."""
+    rviz = yaml.safe_load((TOP / 'config' / name).read_text())['Visualization Manager']
+    displays = [d for d in rviz['Displays'] if d['Class'].endswith('/MarkerArray')]
+    return displays, rviz['Global Options']
+
+
+def test_the_namespaces_of_the_markers_are_these() -> None:
+    muscle = BroadMuscle.load('deltoid')
+    state = LinkedPlaneSolver(muscle).solve(np.eye(3))
+    markers = MuscleMarkers(muscle, 'scapula', 2).at(state, Time()).markers
+    assert {marker.ns for marker in markers} == NAMESPACES
+
+
+def test_rviz_is_set_to_the_topic_and_frame_of_the_node() -> None:
+    [display], options = markers_displays('deltoid.rviz')
+    assert display['Topic']['Value'] == '/deltoid/markers'
+    assert set(display['Namespaces']) == NAMESPACES
+    assert options['Fixed Frame'] == 'scapula'
+    for display in markers_displays('both_shoulders.rviz')[0]:
+        assert set(display['Namespaces']) == NAMESPACES
+
+
+def test_foxglove_is_set_to_topics_namespaces_and_values_that_exist() -> None:
+    layout = json.loads((TOP / 'config' / 'deltoid_foxglove.json').read_text())
+    panels = layout['configById']
+    scene = panels['3D!muscle']
+    assert set(scene['topics']) == {'/deltoid/markers'}
+    assert set(scene['topics']['/deltoid/markers']['namespaces']) == NAMESPACES
+    assert scene['followTf'] == 'scapula'
+    names = BroadMuscle.load('deltoid').band_names
+    lengths = [path['value'] for path in panels['Plot!lengths']['paths']]
+    assert lengths == [f'/deltoid/band_states.position[{i}]' for i in range(9)]
+    for j, place in enumerate(('first', 'second', 'third')):
+        arms = [path['value'] for path in panels[f'Plot!moment_arms_{place}']['paths']]
+        assert arms == [f'/deltoid/moment_arms.data[{3 * i + j}]' for i in range(9)]
+    for name, panel in panels.items():
+        if name.startswith('Plot!'):
+            assert tuple(path['label'] for path in panel['paths']) == names
+    assert {'markers', 'band_states', 'moment_arms'} <= set(OUTPUTS)
+    assert panels['DiagnosticSummary!node']['topicToRender'] == '/diagnostics'
+
+
+def test_every_foxglove_panel_stands_in_the_layout_once() -> None:
+    layout = json.loads((TOP / 'config' / 'deltoid_foxglove.json').read_text())
+
+    def leaves(tree: dict | str) -> list[str]:
+        return [tree] if isinstance(tree, str) else leaves(tree['first']) + leaves(tree['second'])
+
+    assert sorted(leaves(layout['layout'])) == sorted(layout['configById'])
+
+
+@pytest.mark.parametrize('topic', OUTPUTS)
+def test_the_readme_has_every_topic(topic: str) -> None:
+    assert f'`deltoid/{topic}`' in README
+
+
+def test_the_aggregator_is_set_to_the_names_of_the_nodes(node: MuscleStatePublisher, peer: Peer
+                                                         ) -> None:  # fmt: skip
+    file = yaml.safe_load((TOP / 'config' / 'diagnostic_aggregator.yaml').read_text())
+    [word] = file['/**']['ros__parameters']['muscles']['contains']
+    assert peer.until(lambda: bool(peer.diagnostics))
+    assert word in peer.diagnostics[-1].status[0].name

@@ -1,0 +1,111 @@
+"""Kernels are compiled once and kept on disk, wherever the package is installed."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('numba')
+
+HOUSE = Path(__file__).parents[2] / 'linkedplane_ros'
+KERNEL = """
+from .compiled import entry
+
+@entry
+def doubled(x):
+    return 2.0 * x
+"""
+REPORT = """
+from small.kernel import doubled
+print(doubled(1.5), sum(doubled.stats.cache_hits.values()))
+"""
+# the superuser may write anywhere, unless it gives that right up
+BOUND = ('setpriv', '--bounding-set=-dac_override,-dac_read_search')
+
+
+def report(folder: Path, home: Path) -> str:
+    """Run the small package's kernel in a process of its own: its answer, and its cache hits."""
+    if os.geteuid() == 0 and shutil.which(BOUND[0]) is None:
+        pytest.skip('run as root, and setpriv is not there to give up its rights')
+    command = [sys.executable, '-c', REPORT]
+    environment = {'PATH': os.environ['PATH'], 'HOME': str(home), 'PYTHONPATH': str(folder)}
+    run = subprocess.run(
+        [*BOUND, *command] if os.geteuid() == 0 else command,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert run.returncode == 0, run.stderr
+    return run.stdout.strip()
+
+
+@pytest.fixture
+def installed(tmp_path: Path) -> Path:
+    """Return a folder with a small package that has one kernel."""
+    package = tmp_path / 'installed' / 'small'
+    package.mkdir(parents=True)
+    (package / '__init__.py').touch()
+    (package / 'kernel.py').write_text(KERNEL)
+    shutil.copy(HOUSE / 'linked_planes' / 'compiled.py', package)
+    return package.parent
+
+
+def test_a_kernel_is_compiled_once(installed: Path, tmp_path: Path) -> None:
+    assert [report(installed, tmp_path) for _ in range(2)] == ['3.0 0', '3.0 1']
+
+
+def test_a_read_only_installation_keeps_its_kernels_in_the_users_cache(
+    installed: Path, tmp_path: Path
+) -> None:
+    (installed / 'small').chmod(0o555)
+    home = tmp_path / 'home'
+    home.mkdir()
+    assert [report(installed, home) for _ in range(2)] == ['3.0 0', '3.0 1']
+    assert list((home / '.cache').rglob('*.nbi'))
+
+
+def test_with_nowhere_to_keep_it_a_kernel_is_compiled_every_time(
+    installed: Path, tmp_path: Path
+) -> None:
+    for folder in (installed / 'small', home := tmp_path / 'home'):
+        folder.mkdir(exist_ok=True)
+        folder.chmod(0o555)
+    assert [report(installed, home) for _ in range(2)] == ['3.0 0', '3.0 0']
+
+
+CALLED = """
+from .compiled import compiled
+
+@compiled
+def factor():
+    return {}
+"""
+CALLING = """
+from .compiled import entry, fingerprint
+from .called import factor
+
+def make(sources):
+    @entry
+    def doubled(x):
+        _ = sources
+        return factor() * x
+    return doubled
+
+doubled = make(fingerprint())
+"""
+
+
+def test_a_kernel_is_renewed_when_one_that_it_calls_changes_and_only_then(
+    installed: Path, tmp_path: Path
+) -> None:
+    package = installed / 'small'
+    (package / 'called.py').write_text(CALLED.format('2.0'))
+    (package / 'kernel.py').write_text(CALLING)
+    assert [report(installed, tmp_path) for _ in range(2)] == ['3.0 0', '3.0 1']
+    (package / 'other.py').write_text('x = 1\n')
+    assert report(installed, tmp_path) == '3.0 1'
+    (package / 'called.py').write_text(CALLED.format('4.0'))
+    assert [report(installed, tmp_path) for _ in range(2)] == ['6.0 0', '6.0 1']

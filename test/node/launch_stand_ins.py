@@ -1,0 +1,199 @@
+"""Stand-ins for the launch packages, which cannot be had from PyPI: enough to see what is started.
+
+They take the arguments that the real classes take, and no others.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+TOP = Path(__file__).parents[2]
+
+
+class Values(dict[str, str]):
+    """The launch configurations, and which of them have been read."""
+
+    def __init__(self, values: dict[str, str], read: set[str] | None = None) -> None:
+        super().__init__(values)
+        self.read: set[str] = set() if read is None else read
+
+    def __getitem__(self, name: str) -> str:
+        self.read.add(name)
+        return super().__getitem__(name)
+
+
+class LaunchConfiguration:
+    def __init__(self, variable_name: str) -> None:
+        self.name = variable_name
+
+
+class PathJoinSubstitution:
+    def __init__(self, substitutions: Sequence[Any]) -> None:
+        self.parts = substitutions
+
+
+class FindPackageShare:
+    def __init__(self, package: str) -> None:
+        assert package == 'linkedplane_ros'
+
+
+class IfCondition:
+    def __init__(self, predicate_expression: Any) -> None:
+        self.expression = predicate_expression
+
+    def holds(self, values: Values) -> bool:
+        return {'true': True, 'false': False}[text(self.expression, values)]
+
+
+class LaunchConfigurationNotEquals:
+    def __init__(self, launch_configuration_name: str, expected_value: str) -> None:
+        self.name, self.value = launch_configuration_name, expected_value
+
+    def holds(self, values: Values) -> bool:
+        return values[self.name] != self.value
+
+
+class DeclareLaunchArgument:
+    def __init__(self, name: str, *, default_value: str, description: str) -> None:
+        self.name, self.default, self.description = name, default_value, description
+
+
+class ExecuteProcess:
+    def __init__(self, *, cmd: Sequence[Any], condition: Any = None, output: str = 'log') -> None:
+        self.cmd, self.condition = cmd, condition
+
+
+class Node:
+    def __init__(
+        self,
+        *,
+        package: str,
+        executable: str,
+        namespace: Any = '',
+        parameters: Sequence[dict[str, Any]] = (),
+        remappings: Sequence[tuple[Any, Any]] = (),
+        arguments: Sequence[Any] = (),
+        condition: Any = None,
+        output: str = 'log',
+    ) -> None:
+        self.package, self.executable, self.namespace = package, executable, namespace
+        self.parameters, self.remappings, self.arguments = parameters, remappings, arguments
+        self.condition = condition
+
+
+class PythonLaunchDescriptionSource:
+    def __init__(self, launch_file_path: Any) -> None:
+        self.path = launch_file_path
+
+
+class IncludeLaunchDescription:
+    def __init__(self, source: Any, *, launch_arguments: Iterable[tuple[str, Any]]) -> None:
+        self.source, self.arguments = source, list(launch_arguments)
+
+
+class GroupAction:
+    def __init__(self, actions: Sequence[Any]) -> None:
+        self.actions = actions
+
+
+class LaunchDescription:
+    def __init__(self, initial_entities: Sequence[Any]) -> None:
+        self.entities = initial_entities
+
+
+PLACES: dict[str, tuple[type, ...]] = {
+    'launch': (LaunchDescription,),
+    'launch.actions': (
+        DeclareLaunchArgument, ExecuteProcess, GroupAction, IncludeLaunchDescription,
+    ),
+    'launch.conditions': (IfCondition, LaunchConfigurationNotEquals),
+    'launch.launch_description_sources': (PythonLaunchDescriptionSource,),
+    'launch.substitutions': (LaunchConfiguration, PathJoinSubstitution),
+    'launch_ros': (),
+    'launch_ros.actions': (Node,),
+    'launch_ros.substitutions': (FindPackageShare,),
+}  # fmt: skip
+
+
+def described(path: Path) -> LaunchDescription:
+    """Return the description of a launch file, built with the stand-ins."""
+    before = {name: sys.modules.get(name) for name in PLACES}
+    try:
+        for name, kinds in PLACES.items():
+            module = ModuleType(name)
+            for kind in kinds:
+                setattr(module, kind.__name__, kind)
+            sys.modules[name] = module
+        spec = importlib.util.spec_from_file_location(path.stem.replace('.', '_'), path)
+        assert spec is not None
+        assert spec.loader is not None
+        file = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(file)
+        description: LaunchDescription = file.generate_launch_description()
+        return description
+    finally:
+        for name, found in before.items():
+            sys.modules.pop(name)
+            if found is not None:
+                sys.modules[name] = found
+
+
+def text(value: Any, values: Values) -> str:
+    """Return what a substitution, or a list of them, comes to."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, LaunchConfiguration):
+        return values[value.name]
+    if isinstance(value, FindPackageShare):
+        return str(TOP)
+    if isinstance(value, PathJoinSubstitution):
+        return '/'.join(text(part, values) for part in value.parts)
+    assert isinstance(value, list), value
+    return ''.join(text(part, values) for part in value)
+
+
+def started(path: Path, **arguments: str) -> list[Node | ExecuteProcess]:
+    """Return what a launch file starts with these arguments, every substitution carried out."""
+    return started_with(described(path).entities, Values(arguments))
+
+
+def started_with(entities: Sequence[Any], values: Values) -> list[Node | ExecuteProcess]:
+    """Return what these entities start, in order; `values` keeps what was read of it."""
+    found: list[Node | ExecuteProcess] = []
+    for entity in entities:
+        if isinstance(entity, DeclareLaunchArgument):
+            values.setdefault(entity.name, entity.default)
+        elif isinstance(entity, GroupAction):
+            found += started_with(entity.actions, Values(values, values.read))
+        elif isinstance(entity, IncludeLaunchDescription):
+            values.update((name, text(value, values)) for name, value in entity.arguments)
+            inner = described(Path(text(entity.source.path, values)))
+            names = {e.name for e in inner.entities if isinstance(e, DeclareLaunchArgument)}
+            unknown = {name for name, _ in entity.arguments} - names
+            assert not unknown, f'{unknown} not declared in what is included'
+            found += started_with(inner.entities, values)
+        elif entity.condition is None or entity.condition.holds(values):
+            found.append(carried_out(entity, values))
+    return found
+
+
+def carried_out(action: Node | ExecuteProcess, values: Values) -> Node | ExecuteProcess:
+    """Return an action with plain text for every substitution."""
+    if isinstance(action, ExecuteProcess):
+        return ExecuteProcess(cmd=[text(word, values) for word in action.cmd])
+    return Node(
+        package=action.package,
+        executable=action.executable,
+        namespace=text(action.namespace, values),
+        parameters=[
+            {name: text(value, values) for name, value in given.items()}
+            for given in action.parameters
+        ],
+        remappings=[(text(a, values), text(b, values)) for a, b in action.remappings],
+        arguments=[text(word, values) for word in action.arguments],
+    )

@@ -1,0 +1,262 @@
+"""What the node tells of itself: its level, its counters and its times."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.parameter import Parameter
+from ros_harness import Peer
+from sensor_msgs.msg import JointState
+
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.joints.joint_state import REASONS
+from linkedplane_ros.node.diagnostics import STALE_AFTER, TIMED, Tally, milliseconds, status
+from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
+
+OK, WARN, ERROR, STALE = (
+    DiagnosticStatus.OK,
+    DiagnosticStatus.WARN,
+    DiagnosticStatus.ERROR,
+    DiagnosticStatus.STALE,
+)
+NAMES = ('flexion', 'abduction', 'rotation')
+NOW = 1000.0  # s
+
+
+def heard(*, answered: int = 0, rejected: int = 0, age: float = 0.1) -> Tally:
+    """Return a tally that has heard so many messages, the last `age` s ago."""
+    tally = Tally(received=answered + rejected, answered=answered, last_arrival=NOW - age)
+    tally.rejected['degrees'] = rejected
+    if rejected:
+        tally.last_line = 'degrees?'
+    return tally
+
+
+def told(tally: Tally) -> dict[str, str]:
+    """Return the values of a status."""
+    told = status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
+    return {item.key: item.value for item in told.values}
+
+
+def test_without_input_the_level_is_stale() -> None:
+    assert Tally().level(NOW) == (STALE, 'no joint states received yet')
+
+
+def test_input_that_has_ended_is_stale() -> None:
+    level, line = heard(answered=5, age=7.5).level(NOW)
+    assert level == STALE
+    assert '7.5 s' in line
+    assert heard(answered=5, age=STALE_AFTER).level(NOW)[0] == OK
+
+
+def test_answered_input_is_ok() -> None:
+    assert heard(answered=5).level(NOW)[0] == OK
+
+
+def test_input_of_which_nothing_was_usable_is_an_error_that_says_why() -> None:
+    tally = heard(rejected=3)
+    for _ in range(2):
+        level, line = tally.level(NOW)
+        assert level == ERROR
+        assert 'degrees?' in line
+
+
+def test_rejected_input_warns_once_and_says_why() -> None:
+    tally = heard(answered=5, rejected=2)
+    level, line = tally.level(NOW)
+    assert level == WARN
+    assert line.startswith('2 rejected')
+    assert 'degrees?' in line
+    assert tally.level(NOW)[0] == OK
+    tally.rejected['sizes'] += 1
+    level, line = tally.level(NOW)
+    assert level == WARN
+    assert line.startswith('1 rejected')
+    assert tally.level(NOW)[0] == OK
+
+
+def test_near_the_singularity_the_line_says_so_and_the_level_stays() -> None:
+    tally = heard(answered=5)
+    tally.near_singular = 3
+    assert tally.level(NOW) == (
+        OK,
+        'answering; 3 near the singularity: two moment arms say nearly the same, use the moment '
+        'vectors',
+    )
+    assert tally.level(NOW) == (OK, 'answering')
+    assert told(tally)['answers near the singularity'] == '3'
+
+
+def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
+    tally = heard(answered=5)
+    tally.misfits = ['nothing comes from lab']
+    assert tally.level(NOW) == (WARN, 'nothing comes from lab')
+    assert Tally(misfits=['nothing comes from lab']).level(NOW)[1] == 'nothing comes from lab'
+
+
+def test_a_status_has_what_it_was_given_and_every_counter() -> None:
+    tally = heard(answered=5, rejected=2)
+    made = status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
+    assert (made.name, made.hardware_id, made.level) == (
+        'node: deltoid',
+        'deltoid, right',
+        WARN,
+    )
+    values = told(tally)
+    assert values['side'] == 'any'
+    assert values['messages received'] == '7'
+    assert values['messages answered'] == '5'
+    assert {key for key in values if key.startswith('rejected: ')} == {
+        f'rejected: {reason}' for reason in REASONS
+    }
+    assert values['rejected: degrees'] == '2'
+    assert values['input age (s)'] == '0.100'
+
+
+def test_no_key_stands_twice() -> None:
+    tally = heard(answered=1)
+    tally.last_state = LinkedPlaneSolver(BroadMuscle.load('deltoid')).solve(np.eye(3))
+    keys = [item.key for item in status(tally, 'n', 'h', NOW, {}).values]
+    assert len(set(keys)) == len(keys)
+
+
+def test_before_the_first_answer_there_are_no_times() -> None:
+    values = told(Tally())
+    assert values['input age (s)'] == 'none'
+    assert values['solve time mean (ms)'] == 'none'
+    assert 'theta (rad)' not in values
+
+
+def test_times_are_mean_99th_percentile_and_worst_in_ms() -> None:
+    tally = heard(answered=100)
+    tally.solve_times.extend(k * 1e-3 for k in range(101))
+    tally.callback_times.append(0.25)
+    values = told(tally)
+    assert [values[f'solve time {name} (ms)'] for name in ('mean', 'p99', 'worst')] == [
+        '50.000',
+        '99.000',
+        '100.000',
+    ]
+    assert values['callback time worst (ms)'] == '250.000'
+
+
+def test_times_look_back_on_the_newest_callbacks_alone() -> None:
+    tally = Tally()
+    tally.solve_times.extend([1.0] + [0.001] * TIMED)
+    assert milliseconds(tally.solve_times)['worst'] == '1.000'
+
+
+def test_the_last_state_is_told_as_theta_and_how_the_bands_lie() -> None:
+    tally = heard(answered=1)
+    state = LinkedPlaneSolver(BroadMuscle.load('deltoid')).solve(np.eye(3))
+    tally.last_state = state
+    values = told(tally)
+    assert float(values['theta (rad)']) == pytest.approx(state.theta, abs=5e-7)  # six decimals
+    counts = [int(values[f'bands {wrap}']) for wrap in ('wrapped', 'clear', 'missed', 'inside')]
+    assert counts == [int((state.wrap == wrap).sum()) for wrap in range(4)]
+    assert sum(counts) == 9
+
+
+def level(peer: Peer) -> bytes:
+    return peer.diagnostics[-1].status[0].level
+
+
+def test_the_node_reports_once_a_second_from_the_start(
+    node: MuscleStatePublisher, peer: Peer
+) -> None:
+    assert [timer.timer_period_ns for timer in node.timers] == [10**9]
+    assert peer.until(lambda: len(peer.diagnostics) >= 2)
+    assert level(peer) == STALE
+    stamps = [array.header.stamp for array in peer.diagnostics]
+    times = [stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps]
+    assert times == sorted(times)
+    assert times[0] > 0.0
+    [status] = peer.diagnostics[-1].status
+    assert status.name == 'muscle_state_publisher: deltoid'
+    assert status.hardware_id == 'deltoid, right'
+
+
+def test_the_nodes_counters_add_up_and_its_times_are_numbers(
+    node: MuscleStatePublisher, peer: Peer
+) -> None:
+    peer.send(('flexion',), (0.1,))
+    peer.send(NAMES, (0.0, 90.0, 0.0))
+    peer.send(NAMES, (0.0, math.nan, 0.0))
+    peer.send(NAMES, (0.1, 0.2))
+    peer.send(('elbow',), (0.1,))
+    for _ in range(4):
+        peer.send(NAMES, (0.1, 0.2, 0.3))
+    assert peer.answers(4)
+    assert peer.until(lambda: bool(peer.diagnostics) and peer.values()['messages received'] == '9')
+    values = peer.values()
+    assert values['messages answered'] == '4'
+    rejected = {key: value for key, value in values.items() if key.startswith('rejected: ')}
+    assert {key for key, value in rejected.items() if value == '1'} == {
+        f'rejected: {reason}'
+        for reason in ('incomplete', 'degrees', 'not_finite', 'sizes', 'no_joint')
+    }
+    assert 4 + sum(map(int, rejected.values())) == 9
+    for kind in ('solve', 'callback'):
+        mean, p99, worst = (
+            float(values[f'{kind} time {figure} (ms)']) for figure in ('mean', 'p99', 'worst')
+        )
+        assert 0.0 < mean <= worst
+        assert 0.0 < p99 <= worst
+    assert math.isfinite(float(values['theta (rad)']))
+    assert float(values['input age (s)']) >= 0.0
+    assert values['joint convention'] == 'flexion_abduction_rotation'
+    assert values['side'] == 'right'
+
+
+def test_the_node_is_in_error_until_something_was_usable_then_ok_or_warning_then_stale(
+    node: MuscleStatePublisher, peer: Peer
+) -> None:
+    def until(wanted: bytes, *message: tuple) -> None:
+        """Send a message again and again until the node reports a level."""
+        for _ in range(600):
+            if message:
+                peer.send(*message)
+            if peer.until(lambda: bool(peer.diagnostics) and level(peer) == wanted, 0.1):
+                return
+        raise AssertionError(f'the level {wanted!r} was not reported')
+
+    until(STALE)
+    until(ERROR, NAMES, (0.0, 90.0, 0.0))
+    assert "joint 'abduction' is 90: degrees?" in peer.diagnostics[-1].status[0].message
+    until(OK, NAMES, (0.0, 0.9, 0.0))
+    until(WARN, NAMES, (0.0, 90.0, 0.0))
+    assert 'rejected in the last second' in peer.diagnostics[-1].status[0].message
+    until(OK, NAMES, (0.0, 0.9, 0.0))
+    until(STALE)
+    assert 'no joint states for' in peer.diagnostics[-1].status[0].message
+
+
+@pytest.mark.parametrize(
+    ('convention', 'angles', 'near'),
+    [
+        ('isb_yxy', (0.3, 0.019, 0.1), True),
+        ('isb_yxy', (0.3, 0.021, 0.1), False),
+        ('opensim_mobl', (0.3, 0.019, 0.1), True),
+        ('opensim_mobl', (0.3, 0.021, 0.1), False),
+        ('rep155', (0.3, math.pi - 0.019, 0.1), True),
+        ('flexion_abduction_rotation', (0.3, 0.0, 0.1), False),
+        ('flexion_abduction_rotation', (0.3, 1.56, 0.1), True),
+    ],
+)
+@pytest.mark.parametrize('side', ['right', 'left'])
+def test_the_node_counts_answers_near_the_singularity(
+    ros: None, convention: str, angles: tuple[float, ...], near: bool, side: str
+) -> None:
+    given = {'joint_convention': convention, 'side': side}
+    made = MuscleStatePublisher(
+        parameter_overrides=[Parameter(name, value=value) for name, value in given.items()]
+    )
+    names = made._settings.convention.coordinates
+    made._answer(JointState(name=names, position=angles))
+    tally = made._muscles[0].tally
+    counts = tally.answered, tally.near_singular
+    made.destroy_node()
+    assert counts == (1, int(near))

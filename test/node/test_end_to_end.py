@@ -1,0 +1,266 @@
+"""The node in its own process, over DDS: real recordings, and input that is no good."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from ros_harness import ANSWERS, TOPICS, NodeProcess, Peer
+from sensor_msgs.msg import JointState
+
+from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.recordings.bags import Recording
+
+EXACT = 1e-12  # m: the node computes what the solver computes
+NAMES = ('flexion', 'abduction', 'rotation')
+LINKEDPLANE = [sys.executable, '-m', 'linkedplane_ros.commands']
+EXAMPLES = Path(__file__).parents[2] / 'msg_examples'
+
+
+@pytest.fixture
+def node(tmp_path: Path, peer: Peer) -> Iterator[NodeProcess]:
+    """Run the node with its defaults."""
+    process = NodeProcess(tmp_path / 'node.log')
+    peer.connect(process)
+    yield process
+    assert process.stop() == 0, process.text
+    assert 'Traceback' not in process.text
+
+
+def recorded(path: Path) -> list[JointState]:
+    """Return the joint states of a recording."""
+    from rclpy.serialization import deserialize_message
+
+    return [
+        deserialize_message(message.data, JointState) for message in Recording.open(path).messages()
+    ]
+
+
+def expected(message: JointState, convention_name: str, names: tuple[str, ...] = ()) -> np.ndarray:
+    """Return lengths, moment arms and moment vectors (n, 7) of the pure solver for a message."""
+    convention = JOINT_CONVENTIONS[convention_name]
+    position = dict(zip(message.name, message.position, strict=True))
+    angles = np.array([position[name] for name in names or convention.coordinates])
+    state = SOLVER.solve(convention.rotation(angles))
+    arms = state.moment_vectors @ convention.axes(angles)
+    return np.column_stack([state.lengths, arms, state.moment_vectors])
+
+
+SOLVER = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
+
+
+def check_answers(peer: Peer, inputs: list[JointState], convention: str, names=()) -> None:
+    """Every input answered once on every topic, in order, equal to the pure solver."""
+    assert peer.counts() == dict.fromkeys(ANSWERS, len(inputs))
+    for k, message in enumerate(inputs):
+        want = expected(message, convention, names)
+        lengths, arms, state, wrap, vectors = (peer.got[topic][k] for topic in ANSWERS)
+        assert state.header.stamp == message.header.stamp
+        assert np.abs(np.array(lengths.data) - want[:, 0]).max() <= EXACT
+        assert np.abs(np.array(state.position) - want[:, 0]).max() <= EXACT
+        assert np.abs(np.array(arms.data).reshape(-1, 3) - want[:, 1:4]).max() <= EXACT
+        assert np.abs(np.array(vectors.data).reshape(-1, 3) - want[:, 4:]).max() <= EXACT
+        assert len(wrap.data) == len(want)
+
+
+@pytest.mark.parametrize(
+    ('bag', 'convention', 'names', 'rate'),
+    [
+        ('arm_raise', 'flexion_abduction_rotation', (), 1),  # the sample recording
+        ('abduction_mcap', 'opensim_tsm', (), 1),
+        ('flexion_sqlite3', 'opensim_tsm', (), 1),
+        (
+            'daily_motion_mcap',
+            'isb_yxy',
+            ('th_plane_of_elevation', 'th_elevation', 'th_axial_rotation'),
+            5,
+        ),
+    ],
+)
+def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_topic(
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    ros: None,
+    bag: str,
+    convention: str,
+    names: tuple,
+    rate: int,
+) -> None:
+    peer = Peer(raw=True)  # reading 150 marker arrays a second would keep a core busy
+    path = EXAMPLES / bag
+    if not path.exists():
+        path = request.getfixturevalue('shared') / 'recordings' / bag
+    # as the README advises for a replay in which nothing may be lost
+    parameters = {
+        'joint_convention': convention,
+        'qos_overrides./joint_states.subscription.depth': 10000,
+    }
+    if names:
+        parameters['joint_names'] = f'[{",".join(names)}]'
+    inputs = recorded(path)
+    process = NodeProcess(tmp_path / 'node.log', **parameters)
+    try:
+        peer.connect(process)
+        # only the node listens to the player: this peer's own publisher stays silent
+        player = subprocess.Popen(
+            [
+                sys.executable,
+                '-m',
+                'linkedplane_ros.commands',
+                'play',
+                str(path),
+                '--rate',
+                str(rate),
+            ]
+        )
+        assert peer.until(lambda: player.poll() is not None, 120.0)
+        assert player.returncode == 0
+        peer.answers(len(inputs))
+    finally:
+        status = process.stop()
+        peer.destroy_node()
+    check_answers(peer, inputs, convention, names)
+    assert status == 0
+    assert 0 < len(peer.got['markers']) <= len(inputs)
+
+
+BAD = {
+    'no known joint': (('elbow', 'wrist'), (0.1, 0.2), 'no_joint', 'elbow, wrist'),
+    'sizes that differ': (NAMES, (0.1, 0.2), 'sizes', '3 names but 2 positions'),
+    'nan': (NAMES, (0.1, math.nan, 0.2), 'not_finite', "'abduction' is nan"),
+    'infinity': (NAMES, (0.1, 0.2, math.inf), 'not_finite', "'rotation' is inf"),
+    'minus infinity': (NAMES, (-math.inf, 0.2, 0.1), 'not_finite', "'flexion' is -inf"),
+    'degrees': (NAMES, (0.0, 90.0, 0.0), 'degrees', "'abduction' is 90: degrees?"),
+    'an empty message': ((), (), 'no_joint', 'no joint at all'),
+}
+
+
+@pytest.mark.parametrize('case', BAD)
+def test_bad_input_is_explained_and_the_next_message_answered_as_if_nothing_had_happened(
+    node: NodeProcess, peer: Peer, case: str
+) -> None:
+    names, positions, reason, line = BAD[case]
+    before = peer.send(NAMES, (0.3, 0.2, 0.1), nanoseconds=1)
+    assert peer.answers(1)
+    peer.send(names, positions, nanoseconds=2)
+    after = peer.send(NAMES, (0.1, 0.5, -0.2), (0.1, 0.2, 0.3), nanoseconds=3)
+    assert peer.answers(2)
+    assert not peer.answers(3, 0.2)
+    check_answers(peer, [before, after], 'flexion_abduction_rotation')
+    assert len(peer.got['band_states'][1].velocity) == 9
+    assert peer.until(lambda: bool(peer.diagnostics) and peer.values()['messages received'] == '3')
+    assert peer.values()[f'rejected: {reason}'] == '1'
+    assert peer.values()['messages answered'] == '2'
+    assert line in node.text
+    assert len([text for text in node.text.splitlines() if 'not used' in text]) == 1
+
+
+def test_joints_split_over_several_messages_are_answered_once_all_three_are_known(
+    node: NodeProcess, peer: Peer
+) -> None:
+    peer.send(('flexion',), (0.3,), nanoseconds=1)
+    peer.send(('rotation',), (0.1,), nanoseconds=2)
+    peer.send(('abduction',), (0.2,), nanoseconds=3)
+    peer.send(('flexion',), (0.4,), nanoseconds=4)
+    assert peer.answers(2)
+    assert not peer.answers(3, 0.2)
+    whole = [JointState(name=NAMES, position=q) for q in ((0.3, 0.2, 0.1), (0.4, 0.2, 0.1))]
+    for message, stamp in zip(whole, (3, 4), strict=True):
+        message.header.stamp.nanosec = stamp
+    check_answers(peer, whole, 'flexion_abduction_rotation')
+
+
+def test_joints_in_any_order_among_others_are_found_by_name(node: NodeProcess, peer: Peer) -> None:
+    names = ('elbow', 'rotation', 'wrist', 'abduction', 'flexion', 'thumb')
+    message = peer.send(names, (math.nan, 0.1, 900.0, 0.2, 0.3, -math.inf))
+    assert peer.answers(1)
+    check_answers(peer, [message], 'flexion_abduction_rotation')
+
+
+@pytest.mark.parametrize(
+    'velocities', [(0.1, math.nan, 0.2), (0.1,)], ids=['not finite', 'too few']
+)
+def test_unusable_velocities_cost_only_the_velocities(
+    node: NodeProcess, peer: Peer, velocities: tuple[float, ...]
+) -> None:
+    message = peer.send(NAMES, (0.1, 0.2, 0.3), velocities)
+    assert peer.answers(1)
+    check_answers(peer, [message], 'flexion_abduction_rotation')
+    assert len(peer.got['band_states'][0].velocity) == 0
+    assert 'velocities left out' in node.text
+
+
+def example_names() -> list[str]:
+    """Return the names of the sample messages."""
+    return sorted(path.stem for path in EXAMPLES.glob('*.yaml') if 'expected' not in path.stem)
+
+
+@pytest.mark.parametrize('name', example_names())
+def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, name: str) -> None:
+    message = yaml.safe_load((EXAMPLES / f'{name}.yaml').read_text())
+    want = yaml.safe_load((EXAMPLES / f'{name}.expected.yaml').read_text())
+    process = NodeProcess(tmp_path / 'node.log', joint_convention=want['joint_convention'])
+    try:
+        peer.connect(process)
+        peer.send(message['name'], message['position'], message['velocity'])
+        assert peer.answers(1)
+    finally:
+        assert process.stop() == 0
+    lengths, arms, state, wrap, vectors = (peer.got[topic][0] for topic in ANSWERS)
+    rounding = 1e-11  # m: the files hold twelve decimals
+    assert lengths.layout.dim[0].label == 'band:' + ','.join(want['bands'])
+    assert arms.layout.dim[1].label == 'coordinate:' + ','.join(want['coordinates'])
+    assert [dim.label for dim in vectors.layout.dim] == [lengths.layout.dim[0].label, 'axis:x,y,z']
+    assert np.allclose(lengths.data, want['band_lengths'], rtol=0, atol=rounding)
+    assert np.allclose(
+        np.array(arms.data).reshape(-1, 3), want['moment_arms'], rtol=0, atol=rounding
+    )
+    assert np.allclose(state.velocity, want['lengthening_velocity'], rtol=0, atol=rounding)
+    assert list(wrap.data) == [
+        ('WRAPPED', 'CLEAR', 'MISSED', 'INSIDE').index(wrap) for wrap in want['wrap_states']
+    ]
+
+
+def test_the_topics_and_their_types_are_those_promised(node: NodeProcess, peer: Peer) -> None:
+    found = dict(peer.get_topic_names_and_types())
+    assert found['/deltoid/band_states'] == ['sensor_msgs/msg/JointState']
+    assert found['/deltoid/wrap_states'] == ['std_msgs/msg/UInt8MultiArray']
+    assert found['/deltoid/markers'] == ['visualization_msgs/msg/MarkerArray']
+    assert found['/diagnostics'] == ['diagnostic_msgs/msg/DiagnosticArray']
+    for topic in ('band_lengths', 'moment_arms', 'moment_vectors'):
+        assert found[f'/deltoid/{topic}'] == ['std_msgs/msg/Float64MultiArray']
+    assert set(TOPICS) <= {name.rpartition('/')[2] for name in found}
+
+
+MODEL = (Path(__file__).parents[2] / 'linkedplane_ros' / 'models' / 'deltoid.yaml').read_text()
+BROKEN_MODELS = {
+    'missing key': ('reference_normal: [-0.83, 0.29, -0.47]', '', 'reference_normal: missing'),
+    'wrong shape': ('[-0.83, 0.29, -0.47]', '[-0.83, 0.29]', 'a list of 3 numbers expected'),
+    'nan': ('[-0.83, 0.29, -0.47]', '[-0.83, .nan, -0.47]', 'reference_normal[1]: a finite number'),
+    'unknown key': ('name: deltoid', 'name: deltoid\ncolour: red', 'colour: unknown key'),
+    'radius below zero': ('[-14.833320, -16.211523, 2.679743, -9.323871, 37.294653]',
+                          '[-5.0]', 'sphere.radius: -0.005 m for band anterior_1'),
+    'normal along a band': ('[-0.83, 0.29, -0.47]', '{along}', 'parallel to the first band'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize('case', BROKEN_MODELS)
+def test_the_node_refuses_a_broken_model_in_one_line_without_a_traceback(
+    tmp_path: Path, case: str
+) -> None:
+    old, new, reason = BROKEN_MODELS[case]
+    along = (SOLVER.muscle.insertions - SOLVER.muscle.origins)[0].tolist()
+    path = tmp_path / 'broken.yaml'
+    path.write_text(MODEL.replace(old, new.format(along=along)))
+    process = NodeProcess(tmp_path / 'node.log', muscle=path)
+    assert process.process.wait(60.0) == 1
+    lines = process.text.splitlines()
+    assert len(lines) == 1, process.text
+    assert str(path) in lines[0]
+    assert reason in lines[0]

@@ -1,0 +1,56 @@
+"""The packages import in the way of the data alone; a wrong import on purpose is found."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import house
+import pytest
+
+
+@pytest.fixture
+def sources(tmp_path: Path) -> Path:
+    """Return a copy of the package's sources, to be spoilt."""
+    ignored = shutil.ignore_patterns('__pycache__', 'models', 'literature')
+    return Path(shutil.copytree(house.SOURCES, tmp_path / 'linkedplane_ros', ignore=ignored))
+
+
+def test_no_package_imports_a_later_one() -> None:
+    assert list(house.faults()) == []
+
+
+@pytest.mark.parametrize(
+    ('file', 'line', 'fault'),
+    [
+        (
+            'linked_planes/band.py',
+            'from ..solver import kernels',
+            'imports solver, a later',
+        ),
+        ('joints/conventions.py', 'from .. import muscle', 'imports muscle, a later package'),
+        ('muscle/file.py', 'import linkedplane_ros.node.qos', 'imports node, a later package'),
+        (
+            'study/chapters/parts.py',
+            'from ...viewer.wire import markers',
+            'imports viewer, a',
+        ),
+        ('drawing/plot.py', 'def late():\n    from ..commands import fit', 'imports commands, a'),
+        ('solver/check.py', 'from sensor_msgs.msg import JointState', 'ROS belongs in node'),
+        ('drawing/plot.py', 'import matplotlib.pyplot', 'imports matplotlib at its top'),
+        ('fit/swarm.py', 'from scipy import optimize', 'imports scipy at its top'),
+        ('node/play.py', 'import viser', 'imports viser at its top'),
+    ],
+)
+def test_a_wrong_import_is_found(sources: Path, file: str, line: str, fault: str) -> None:
+    with (sources / file).open('a') as spoilt:
+        spoilt.write(f'\n\n{line}\n')
+    (found,) = set(house.faults(sources))
+    assert found.startswith(f'linkedplane_ros/{file}:')
+    assert fault in found
+
+
+def test_a_package_that_has_no_place_in_the_order_is_found(sources: Path) -> None:
+    (sources / 'helpers').mkdir()
+    (sources / 'helpers' / '__init__.py').touch()
+    assert list(house.faults(sources)) == ['helpers: a package that doc/house.py does not know']

@@ -1,0 +1,194 @@
+"""What is wrong with a motion table, in one line that says where."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from test_tables import CSV, MOT, fault, whole, written
+
+from linkedplane_ros.errors import RecordingError
+from linkedplane_ros.recordings.tables import LONGEST, Table
+
+NOBODY = 65534  # a user without rights
+
+FAULTS = {
+    'an empty mot': ('m.mot', '', 'm.mot:1: empty; a header and rows of numbers expected'),
+    'an empty csv': ('m.csv', '', 'm.csv:1: empty; a header and rows of numbers expected'),
+    'nothing but a byte order mark': ('m.csv', '\ufeff', 'm.csv:1: names of columns expected'),
+    'nothing but comments': (
+        'm.csv',
+        '# a\n# time,a,b\n',
+        'm.csv:1: names of columns expected, a time among them '
+        '(time, t, time_s, timestamp, time (s)); found nothing',
+    ),
+    'nothing but blank lines': ('m.csv', '\n \n\n', 'm.csv:1: names of columns expected'),
+    'no header row': (
+        'm.csv',
+        '0,1,2\n0.1,3,4\n',
+        'm.csv:1: names of columns expected, a time among them '
+        '(time, t, time_s, timestamp, time (s)); found 0, 1, 2',
+    ),
+    'no table at all': ('m.csv', '{' + 'x' * 9999, 'found {' + 'x' * 99),
+    'no time': ('m.csv', '#\nx,y\n0,1\n', 'found x, y'),
+    'no time in a mot': ('m.mot', MOT.replace('time', 'x'), 'm.mot:5: names of columns expected'),
+    'two times': ('m.csv', 'time,time,a\n', "m.csv:1: 2 columns are named 'time'; one expected"),
+    'no endheader': (
+        'm.sto',
+        MOT.replace('endheader\n', ''),
+        "m.sto:6: the file ends, but a line 'endheader' was expected before",
+    ),
+    'no names': ('m.mot', 'endheader\n\n', 'found nothing'),
+    'neither degrees nor radians': (
+        'm.mot',
+        MOT.replace('yes', 'maybe'),
+        "m.mot:3: inDegrees is 'maybe'; yes or no expected",
+    ),
+    'no rows in a mot': (
+        'm.mot',
+        'endheader\ntime a b\n \n',
+        'm.mot:2: no rows of numbers after the names',
+    ),
+    'no rows in a csv': ('m.csv', '#\ntime,a,b\n\n', 'm.csv:2: no rows of numbers after the names'),
+    'a row too short': (
+        'm.mot',
+        MOT.replace('\t4', ''),
+        'm.mot:7: 2 cells; 3, as the names, expected',
+    ),
+    'a row too long': (
+        'm.csv',
+        '#\n' + CSV.replace('3', '3,3'),
+        'm.csv:4: 4 cells; 3, as the names, expected',
+    ),
+    'a comment among the rows': ('m.csv', CSV + '# end\n', 'm.csv:4: 1 cells; 3, as the names'),
+    'an end within a row': ('m.csv', CSV[:-3], 'm.csv:3: 2 cells; 3, as the names, expected'),
+    'a word': (
+        'm.csv',
+        CSV.replace('4', 'four'),
+        "m.csv:3: column 'b': 'four' is no number; one like -0.5 expected",
+    ),
+    'a word in a mot': ('m.mot', MOT.replace('1\t2', 'x\t2'), "m.mot:6: column 'a': 'x' is no"),
+    'a decimal comma': (
+        'm.csv',
+        'time;a;b\n0;1;2\n1;3,5;4\n',
+        "m.csv:3: column 'a': '3,5' is no number; one like -0.5 expected",
+    ),
+    'a number only to Python': (
+        'm.csv',
+        CSV.replace('0.1', '2_0'),
+        "m.csv:3: column 'time': '2_0' is",
+    ),
+    'a long cell': ('m.csv', CSV.replace('4', 'x' * 999), f"column 'b': '{'x' * 40}' is no number"),
+    'lines counted within quotes': (
+        'm.csv',
+        'time,a,b,c\n0,1,2,"one\ntwo"\n1,2,"x\ny",3\n',
+        "m.csv:4: column 'b': 'x\\ny' is no number",
+    ),
+    'a quote that does not end': ('m.csv', CSV.replace('3', '"3'), 'm.csv:3: 2 cells; 3'),
+    'a quote over half the file': (
+        'm.csv',
+        CSV + '0.2,"5' + ',6\n0.3,5' * 20_000,
+        'm.csv:4: not CSV: field larger than field limit',
+    ),
+    'no time in a row': ('m.csv', CSV.replace('0.1', ''), "m.csv:3: its time is ''; a finite"),
+    'a time that is nan': (
+        'm.mot',
+        MOT.replace('0.1', 'nan'),
+        "m.mot:7: its time is 'nan'; a finite number expected",
+    ),
+    'a time that is inf': ('m.csv', CSV.replace('0.1', '1e999'), "m.csv:3: its time is '1e999'"),
+    'a column chosen that stands twice': (
+        'm.csv',
+        '#\ntime,a,b,a\n0,1,2,3\n',
+        "m.csv:2: 2 columns are named 'a'; one expected",
+    ),
+    'a column that is not there': (
+        'm.csv',
+        'time,a\n0,1\n',
+        "m.csv:1: 0 columns are named 'b'; one expected",
+    ),
+    'not utf-8': (
+        'm.csv',
+        '# Mitte\ntime,a,b\n0,1,ä\n'.encode('latin-1'),
+        'm.csv:3: not UTF-8; save the table as UTF-8',
+    ),
+    'utf-16': ('m.csv', CSV.encode('utf-16'), 'm.csv:1: not UTF-8; save the table as UTF-8'),
+    'a spreadsheet': ('m.csv', b'PK\x03\x04\x14\x00\x06\xb5', 'm.csv:1: not UTF-8'),
+    'a line without end': (
+        'm.csv',
+        b'time,a,b\n' + b'0' * 3 * LONGEST,
+        f'm.csv:2: a line of {LONGEST} bytes or more; not a table?',
+    ),
+}
+
+
+@pytest.mark.parametrize('case', FAULTS)
+def test_a_fault_is_named_in_one_line_with_its_place(tmp_path: Path, case: str) -> None:
+    name, content, reason = FAULTS[case]
+    text = fault(written(tmp_path, name, content))
+    assert reason in text
+    assert text.startswith(f'{name}:')
+    assert len(text) < 300
+
+
+@pytest.mark.parametrize('row', [1, 2, 500, 2500])
+def test_a_fault_is_found_in_whatever_chunk_it_is(tmp_path: Path, row: int) -> None:
+    lines = ['time,a', *(f'{i},{i}' for i in range(2500))]
+    lines[row] = '7,seven'
+    table = Table.open(written(tmp_path, 'motion.csv', '\n'.join(lines)))
+    for rows in (1, 1000, 10_000):
+        with pytest.raises(RecordingError, match=rf"motion\.csv:{row + 1}: column 'a': 'seven' is"):
+            whole(table, ('a',), rows)
+
+
+def test_the_rows_before_a_faulty_chunk_are_given(tmp_path: Path) -> None:
+    chunks = Table.open(written(tmp_path, 'motion.csv', CSV + '0.2,x,5\n')).chunks(('a',), rows=2)
+    assert next(chunks)[1].tolist() == [[1.0], [3.0]]
+    with pytest.raises(RecordingError, match=r"motion\.csv:4: column 'a': 'x' is no number"):
+        next(chunks)
+
+
+def test_a_header_is_read_without_the_rows(tmp_path: Path) -> None:
+    for name, content in (('motion.csv', CSV), ('motion.mot', MOT)):
+        path = written(tmp_path, name, content.encode() + b'\xff\n')
+        assert Table.open(path).columns == ('a', 'b')
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    assert fault(tmp_path / 'm.csv') == 'm.csv: cannot be read: No such file or directory'
+
+
+def test_a_file_that_went_away_is_named(tmp_path: Path) -> None:
+    table = Table.open(written(tmp_path, 'm.csv', CSV))
+    table.path.unlink()
+    with pytest.raises(RecordingError, match=r'm\.csv: cannot be read: No such file or directory'):
+        next(table.chunks(('a',)))
+
+
+@pytest.mark.parametrize('name', ['folder', 'folder.mot'])
+def test_a_folder_is_no_table(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).mkdir()
+    assert fault(tmp_path / name) == f'{name}: cannot be read: Is a directory'
+
+
+@contextmanager
+def unprivileged() -> Iterator[None]:
+    """Be nobody for a while: root may read whatever it likes."""
+    if os.geteuid():
+        yield
+        return
+    os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+def test_a_file_without_permission_is_named(tmp_path: Path) -> None:
+    path = written(tmp_path, 'm.csv', CSV)
+    path.chmod(0)
+    with unprivileged():
+        assert fault(path) == 'm.csv: cannot be read: Permission denied'
