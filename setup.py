@@ -60,7 +60,7 @@ setup(
     zip_safe=False,
     author='The linkedplane_ros maintainers',
     maintainer='The linkedplane_ros maintainers',
-    maintainer_email='maintainers@users.noreply.h-seed-ec322b70.example',
+    maintainer_email='maintainers@linkedplane-ros.example.org',
     description='Muscle paths of the deltoid by linked-plane obstacle sets, as a ROS 2 node',
     license='Apache-2.0',
     entry_points={

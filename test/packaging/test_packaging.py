@@ -130,15 +130,6 @@ def test_the_installed_package_has_the_executables_of_setup_py() -> None:
     assert {point.name: point.value for point in points} == console_scripts()
 
 
-def test_every_folder_of_modules_is_installed() -> None:
-    found = eval(
-        compile(ast.Expression(setup_arguments()['packages']), 'setup.py', 'eval'),
-        {'package_name': 'linkedplane_ros', 'find_packages': partial(find_packages, str(TOP))},
-    )
-    folders = {path.parent.relative_to(TOP) for path in SOURCES.rglob('*.py')}
-    assert {folder.as_posix().replace('/', '.') for folder in folders} == set(found)
-
-
 def test_scripts_go_where_ros2_run_looks() -> None:
     config = configparser.ConfigParser()
     config.read(TOP / 'setup.cfg')
