@@ -16,7 +16,13 @@ from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.mapping import Section
 from ..solver.check import DEFAULT_RANGE
-from .values import counting, finite, not_negative, positive, whole
+from .values import (
+    finite_number,
+    non_negative_number,
+    positive_count,
+    positive_number,
+    whole_number_from,
+)
 
 if TYPE_CHECKING:
     from ..fit.checkpoint import Checkpoint
@@ -31,60 +37,63 @@ KINDS = ('length', 'arm', 'interference', 'order', 'jumps')
 COARSE = (40.0, 60.0, 60.0)  # deg, flexion, abduction, rotation: poses that count from the first
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
     add = parser.add_argument
     add('model', metavar='MODEL', help='where to start: a bundled model or a .yaml file')
     add('data', metavar='DATA.csv', help='measured lengths and moment arms (doc/fitting.md)')
-    add('out', metavar='OUT.yaml', help='the fitted model; its report stands beside it')
+    add('out', metavar='OUT.yaml', help='the fitted model; its report is written beside it')
     what = parser.add_argument_group('what is fitted')
     add = what.add_argument
     add(
         '--free',
         nargs='+',
         metavar='PATTERN',
-        help='coefficients by their places, * for anything (default: what the thesis fitted)',
+        help='which coefficients, by their places in the model file; * stands for anything '
+        '(default: those that the thesis fitted)',
     )
     add(
         '--bound',
         nargs='+',
         metavar='BOUND',
         default=[],
-        help="PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-PERCENT%%, in the file's units",
+        help='how far they may go: PATTERN=LOW:HIGH, PATTERN=+-SIZE or PATTERN=+-PERCENT%%, in the '
+        "model file's units",
     )
     add(
         '--reach',
         nargs=2,
-        type=positive,
+        type=positive_number,
         metavar=('MM', 'RAD'),
         default=(30.0, 0.5),
-        help='how far anything without a bound may go from its start (default 30 0.5)',
+        help='how far anything without a bound may go from its start (default: 30 0.5)',
     )
     add(
         '--convention',
         choices=tuple(JOINT_CONVENTIONS),
         default='flexion_abduction_rotation',
-        help='what three angles in the data mean',
+        help='what three angles in the data mean (default: %(default)s)',
     )
     add(
         '--angle-scale',
-        type=positive,
+        type=positive_number,
         default=1.0,
         metavar='F',
-        help="multiply the angles of the data's motions, e.g. 0.6667 for angles to the thorax",
+        help="multiply the angles of the data's motions, e.g. by 0.6667 for angles against the "
+        'thorax (default: %(default)s)',
     )
     add(
         '--every',
-        type=positive,
+        type=positive_number,
         metavar='DEG',
-        help="take the data's curves at multiples of this angle (default: as they stand)",
+        help="take the data's curves at multiples of this angle, deg (default: at its own angles)",
     )
     add(
         '--arm-scale',
-        type=positive,
+        type=positive_number,
         default=1.0,
         metavar='F',
-        help='multiply modelled moment arms; the thesis takes 0.5',
+        help='multiply modelled moment arms; the thesis takes 0.5 (default: %(default)s)',
     )
     add(
         '--weights',
@@ -92,70 +101,89 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         type=weight,
         metavar='KIND=WEIGHT',
         default=[],
-        help=f'of {", ".join(KINDS)} (default: length=1 arm=1 interference=1, others 0)',
+        help=f'what each kind of deviation counts; kinds: {", ".join(KINDS)} (default: length=1 '
+        'arm=1 interference=1, others 0)',
     )
     add(
         '--over',
         choices=('data', 'range'),
         default='data',
         help="where interference, order and jumps count: at the data's poses, or over the model's "
-        'whole range of motion (order=1 jumps=1 then)',
+        'whole range of motion, with order=1 jumps=1 (default: %(default)s)',
     )
     add(
         '--clearance',
-        type=finite,
+        type=finite_number,
         default=0.0,
         metavar='MM',
-        help='keep paths so far off the interference spheres; negative: let them in so far',
+        help='keep paths so far off the interference spheres, mm; negative: let them in so far '
+        '(default: %(default)s)',
     )
     add(
         '--tighten',
         nargs='+',
-        type=positive,
+        type=positive_number,
         default=[],
         metavar='MM',
-        help='let bands so deep into the spheres first: the first for the swarm, the others, then '
-        '--clearance, for a polish each',
+        help='first let bands so deep into the spheres, mm: the first depth for the swarm, the '
+        'others, then --clearance, for a polish each (default: none)',
     )
     how = parser.add_argument_group('how')
     add = how.add_argument
-    add('--particles', type=whole(2), default=50, metavar='N', help='of the swarm (default 50)')
     add(
-        '--generations', type=whole(0), default=150, metavar='N', help='of each round (default 150)'
+        '--particles',
+        type=whole_number_from(2),
+        default=50,
+        metavar='N',
+        help='particles of the swarm (default: %(default)s)',
+    )
+    add(
+        '--generations',
+        type=whole_number_from(0),
+        default=150,
+        metavar='N',
+        help='generations of each round (default: %(default)s)',
     )
     add(
         '--rounds',
-        type=counting,
+        type=positive_count,
         default=1,
         metavar='N',
-        help='of swarm and polish, each in half the width of the last (default 1)',
+        help='rounds of swarm and polish, each half as wide as the last (default: %(default)s)',
     )
     add(
         '--scatter',
-        type=positive,
+        type=positive_number,
         default=1.0,
         metavar='SHARE',
-        help='of the way to the bounds, for the first particles (default 1)',
+        help='where the first particles are, as a share of the way to the bounds '
+        '(default: %(default)s)',
     )
     add(
         '--polish',
-        type=whole(0),
+        type=whole_number_from(0),
         default=100,
         metavar='N',
-        help='steps of least squares of a polish (default 100); over the range a stage has up to '
-        '6, the last one up to 20',
+        help='steps of least squares of a polish; with --over range a stage has up to 6, the last '
+        'one up to 20 (default: %(default)s)',
     )
-    add('--seed', type=whole(0), default=0, metavar='N', help='of all random numbers (default 0)')
+    add(
+        '--seed',
+        type=whole_number_from(0),
+        default=0,
+        metavar='N',
+        help='seed of all random numbers (default: %(default)s)',
+    )
     add(
         '--jobs',
-        type=counting,
+        type=positive_count,
         default=1,
         metavar='N',
-        help='particles at a time (default 1); the answer is the same',
+        help='particles computed at a time (default: %(default)s); the result is the same',
     )
-    add('--resume', action='store_true', help='go on with a fit that was stopped')
+    add('--resume', action='store_true', help='continue a fit that was stopped')
     add('--force', action='store_true', help='replace an output that exists')
-    add('--name', help="the fitted model's name (default: that of the file)")
+    add('--name', help="the fitted model's name (default: OUT's, without .yaml)")
 
 
 def run(args: argparse.Namespace) -> None:
@@ -328,9 +356,9 @@ def weight(text: str) -> tuple[str, float]:
     """Return a kind and its weight, for argparse."""
     kind, _, value = text.partition('=')
     try:
-        found = not_negative(value)
-    except ValueError:
+        number = non_negative_number(value)
+    except argparse.ArgumentTypeError:
         kind = ''
     if kind not in KINDS:
-        raise argparse.ArgumentTypeError(f'{text}: one of {", ".join(KINDS)}, = and a number')
-    return kind, found
+        raise argparse.ArgumentTypeError(f'{text}: one of {", ".join(KINDS)}, = and a number >= 0')
+    return kind, number

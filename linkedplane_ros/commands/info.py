@@ -6,17 +6,23 @@ import argparse
 from pathlib import Path
 
 from ..muscle.broad_muscle import BroadMuscle
-from .values import scalable
+from .values import add_scale
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
-    parser.add_argument('muscle', nargs='?', default='deltoid', metavar='MUSCLE',
-                        help='a bundled model or a .yaml file (default: deltoid)')  # fmt: skip
-    parser.add_argument('--png', metavar='FILE', help='draw it, hanging and raised (.png or .svg)')
-    parser.add_argument('--schema', action='store_true',
-                     help="print the line that tells an editor a model file's format")  # fmt: skip
-    scalable(parser)
+    parser.add_argument(
+        'muscle', nargs='?', default='deltoid', metavar='MUSCLE',
+        help='a bundled model or a .yaml file (default: %(default)s)',
+    )  # fmt: skip
+    parser.add_argument(
+        '--png', metavar='FILE', help='also draw it, hanging and raised, into a .png or .svg'
+    )
+    parser.add_argument(
+        '--schema', action='store_true',
+        help="print only the line that tells an editor a model file's format",
+    )  # fmt: skip
+    add_scale(parser)
 
 
 def run(args: argparse.Namespace) -> None:

@@ -26,8 +26,8 @@ COMMANDS = {
 }
 
 
-def parser() -> argparse.ArgumentParser:
-    """Return the command line's parser."""
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line, all commands in it."""
     top = argparse.ArgumentParser(
         prog='linkedplane', description='Muscle paths by linked-plane obstacle sets.'
     )
@@ -35,9 +35,9 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title='commands', required=True, metavar='COMMAND')
     for name, command in COMMANDS.items():
         does = command.run.__doc__
-        made = commands.add_parser(name, help=does, description=does)
-        command.arguments(made)
-        made.set_defaults(run=command.run)
+        parser = commands.add_parser(name, help=does, description=does)
+        command.add_arguments(parser)
+        parser.set_defaults(run=command.run)
     return top
 
 
@@ -51,7 +51,7 @@ def plain(argument: str) -> str:
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
     words = [plain(arg) for arg in (sys.argv[1:] if args is None else args)]
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     options.words = words
     try:
         options.run(options)

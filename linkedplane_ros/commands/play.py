@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import argparse
 
-from .values import counting, not_negative, positive
+from .values import non_negative_number, positive_count, positive_number
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
-    parser.add_argument('bag', metavar='BAG', help='a rosbag2: folder, .mcap or .db3 file')
-    parser.add_argument('--rate', type=positive, default=1.0, help='times its own speed')
-    parser.add_argument(
-        '--loop', action='store_true', help='start anew at the end, until interrupted'
-    )
-    parser.add_argument('--clock', type=positive, nargs='?', const=40.0, metavar='HZ',
-                     help='publish the recorded time on /clock (default 40 Hz)')  # fmt: skip
-    parser.add_argument('--start-offset', type=not_negative, default=0.0, metavar='S',
-                     help='begin S seconds into the recording')  # fmt: skip
-    parser.add_argument('--wait', type=not_negative, default=10.0, metavar='S',
-                     help='wait for a subscriber, S seconds at most (default 10)')  # fmt: skip
-    parser.add_argument('--subscribers', type=counting, default=1, metavar='N',
-                     help='how many subscribers to wait for (default 1)')  # fmt: skip
+    # fmt: off
+    add = parser.add_argument
+    add('bag', metavar='BAG', help='a rosbag2: folder, .mcap or .db3 file')
+    add('--rate', type=positive_number, default=1.0, metavar='FACTOR',
+        help='times the recorded speed (default: %(default)s)')
+    add('--loop', action='store_true', help='start again at the end, until interrupted')
+    add('--clock', type=positive_number, nargs='?', const=40.0, metavar='HZ',
+        help='publish the recorded time on /clock (HZ left out: %(const)s)')
+    add('--start-offset', type=non_negative_number, default=0.0, metavar='S',
+        help='begin S seconds into the recording (default: %(default)s)')
+    add('--wait', type=non_negative_number, default=10.0, metavar='S',
+        help='wait for a subscriber, S seconds at most (default: %(default)s)')
+    add('--subscribers', type=positive_count, default=1, metavar='N',
+        help='how many subscribers to wait for (default: %(default)s)')
+    # fmt: on
 
 
 def run(args: argparse.Namespace) -> None:

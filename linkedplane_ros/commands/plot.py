@@ -6,14 +6,17 @@ import argparse
 from pathlib import Path
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
-    parser.add_argument('output', metavar='OUTPUT', help='what `linkedplane process` has written')
-    parser.add_argument('--png', dest='kinds', action='append_const', const='png',
-                     help='draw PNG files (the default)')  # fmt: skip
-    parser.add_argument('--svg', dest='kinds', action='append_const', const='svg',
-                     help='draw SVG files')  # fmt: skip
-    parser.add_argument('--out', metavar='NAME', help="the beginning of the files' names")
+    # fmt: off
+    add = parser.add_argument
+    add('output', metavar='OUTPUT',
+        help='what `linkedplane process` has written: a bag, .csv or .parquet')
+    add('--png', dest='kinds', action='append_const', const='png',
+        help='draw PNG files (the default)')
+    add('--svg', dest='kinds', action='append_const', const='svg', help='draw SVG files')
+    add('--out', metavar='NAME', help="the beginning of the files' names (default: OUTPUT's name)")
+    # fmt: on
 
 
 def run(args: argparse.Namespace) -> None:

@@ -10,55 +10,74 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..joints.conventions import JOINT_CONVENTIONS, SIDES
-from .values import counting, positive, scalable, sign
+from ..joints.conventions import JOINT_CONVENTIONS
+from .values import add_muscle, add_scale, add_side, positive_count, positive_number, sign
 
 if TYPE_CHECKING:
     from ..processing.task import Report
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
-    parser.add_argument('inputs', nargs='+', metavar='INPUT',
-                     help='bags, .mot, .sto or .csv files, or folders of them')  # fmt: skip
-    parser.add_argument('out', metavar='OUT',
-                     help='a bag, .csv or .parquet; a folder for several inputs')  # fmt: skip
-    parser.add_argument('--format', choices=('bag', 'csv', 'parquet'),
-                     help='of the output (default: by its ending; bag)')  # fmt: skip
-    parser.add_argument('--convention', choices=tuple(JOINT_CONVENTIONS),
-                     default='flexion_abduction_rotation', help='what the angles mean')  # fmt: skip
-    parser.add_argument('--joints', nargs=3, metavar='NAME',
-                     help="the three joints or columns (default: the convention's)")  # fmt: skip
-    parser.add_argument('--signs', nargs=3, type=sign, metavar='SIGN',
-                     help='angle = sign * recorded + offset')  # fmt: skip
-    parser.add_argument('--offsets', nargs=3, type=float, metavar='RAD')
-    parser.add_argument('--degrees', action='store_true', help="the table's angles are in degrees")
-    parser.add_argument('--topic', help="the bag's topic of joint states, where it has several")
-    parser.add_argument('--humerus', metavar='NAME',
-                     help='take poses for angles: a topic, or a frame in /tf')  # fmt: skip
-    base = parser.add_mutually_exclusive_group()
+    # fmt: off
+    add = parser.add_argument
+    add('inputs', nargs='+', metavar='INPUT',
+        help='bags, .mot, .sto or .csv files, folders of them, or patterns like *.mot')
+    add('out', metavar='OUT', help='a bag, .csv or .parquet; a folder for several inputs')
+    add('--format', choices=('bag', 'csv', 'parquet'),
+        help="of the output (default: by OUT's ending, else bag)")
+    add('--force', action='store_true', help='replace an output that exists')
+
+    angles = parser.add_argument_group('where the angles come from')
+    add = angles.add_argument
+    add('--convention', choices=tuple(JOINT_CONVENTIONS), default='flexion_abduction_rotation',
+        help='the joint convention: what the angles mean (default: %(default)s)')
+    add('--joints', nargs=3, metavar='NAME',
+        help="the three joints or columns, in the convention's order (default: its coordinates)")
+    add('--signs', nargs=3, type=sign, metavar='SIGN',
+        help='1 or -1 for each joint: angle = sign * recorded + offset (default: 1 1 1)')
+    add('--offsets', nargs=3, type=float, metavar='RAD',
+        help="added to each joint's angle, rad (default: 0 0 0)")
+    add('--degrees', action='store_true',
+        help="the table's angles are in degrees (default: as the file says, else rad)")
+    add('--topic', metavar='NAME',
+        help='the topic of joint states in a bag (default: /joint_states, or the only one)')
+    add('--humerus', metavar='NAME',
+        help='take the angles from poses: a topic, or a frame in /tf')
+    base = angles.add_mutually_exclusive_group()
     base.add_argument('--scapula', metavar='NAME', help='what the humerus is measured against')
     base.add_argument('--thorax', metavar='NAME',
-                      help='the same, less the share of the scapula (--rhythm)')  # fmt: skip
-    parser.add_argument('--rhythm', type=positive, metavar='RATIO',
-                     help='glenohumeral to scapulothoracic elevation (default 2)')  # fmt: skip
-    parser.add_argument('--frame-axes', choices=('model', 'isb'),
-                        help='isb: their x is anterior, y superior, z lateral')  # fmt: skip
-    parser.add_argument('--side', choices=SIDES, default='right')
-    parser.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
-    parser.add_argument('--frame-id', default='scapula', help='the frame of the outputs')
-    parser.add_argument('--rate', type=positive, metavar='HZ', help='resample the angles')
-    parser.add_argument('--lowpass', type=positive, metavar='HZ',
-                     help='filter the angles first, without lag (Butterworth)')  # fmt: skip
-    parser.add_argument('--differentiate', action='store_true',
-                        help='velocities by differences, whatever was recorded')  # fmt: skip
-    parser.add_argument('--no-markers', dest='markers', action='store_false',
-                     help='leave the markers out of a bag')  # fmt: skip
-    parser.add_argument('--force', action='store_true', help='replace an output that exists')
-    parser.add_argument('--jobs', type=counting, default=1, metavar='N',
-                     help='recordings at a time (default 1)')  # fmt: skip
-    parser.add_argument('--dask', metavar='ADDRESS', help='work on a Dask cluster')
-    scalable(parser)
+                      help="the same, where the scapula's share is estimated (--rhythm)")
+    add('--rhythm', type=positive_number, metavar='RATIO',
+        help='glenohumeral to scapulothoracic elevation, with --thorax (default: 2)')
+    add('--frame-axes', choices=('model', 'isb'),
+        help='axes of the frames. model: x to the right, y anterior, z superior; '
+        'isb: x anterior, y superior, z to the right (default: model)')
+
+    motion = parser.add_argument_group('what is done to the motion')
+    add = motion.add_argument
+    add('--rate', type=positive_number, metavar='HZ',
+        help='resample the angles at HZ (default: as recorded)')
+    add('--lowpass', type=positive_number, metavar='HZ',
+        help='filter the angles first, without lag: Butterworth, cutoff at HZ (default: no filter)')
+    add('--differentiate', action='store_true',
+        help='velocities by differences, even where some were recorded')
+
+    muscle = parser.add_argument_group('the muscle and the output')
+    add_muscle(muscle)
+    add_scale(muscle)
+    add_side(muscle)
+    add = muscle.add_argument
+    add('--frame-id', default='scapula', metavar='NAME',
+        help='the frame of the outputs (default: %(default)s)')
+    add('--no-markers', dest='markers', action='store_false', help='leave the markers out of a bag')
+
+    work = parser.add_argument_group('how the work is shared')
+    add = work.add_argument
+    add('--jobs', type=positive_count, default=1, metavar='N',
+        help='recordings at a time (default: %(default)s)')
+    add('--dask', metavar='ADDRESS', help='work on the Dask cluster at ADDRESS (default: here)')
+    # fmt: on
 
 
 def run(args: argparse.Namespace) -> None:

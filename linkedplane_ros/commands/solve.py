@@ -8,23 +8,26 @@ import math
 
 import numpy as np
 
-from ..joints.conventions import JOINT_CONVENTIONS, SIDES
+from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver, WrapState
-from .values import scalable
+from .values import add_muscle, add_scale, add_side
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
-    parser.add_argument('--convention', choices=tuple(JOINT_CONVENTIONS), required=True,
-                     help='what the angles mean')  # fmt: skip
-    parser.add_argument('angles', nargs=3, type=float, metavar='ANGLE',
-                     help="the convention's three angles, rad")  # fmt: skip
-    parser.add_argument('--degrees', action='store_true', help='the angles are in degrees')
-    parser.add_argument('--side', choices=SIDES, default='right')
-    parser.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
-    parser.add_argument('--json', action='store_true', help='print JSON, in m and rad')
-    scalable(parser)
+    # fmt: off
+    add = parser.add_argument
+    add('--convention', choices=tuple(JOINT_CONVENTIONS), required=True,
+        help='the joint convention: what the angles mean')
+    add('angles', nargs=3, type=float, metavar='ANGLE',
+        help="the convention's three angles, in its order, rad")
+    add('--degrees', action='store_true', help='the angles are in degrees')
+    add('--json', action='store_true', help='print JSON, in m and rad')
+    add_side(parser)
+    add_muscle(parser)
+    add_scale(parser)
+    # fmt: on
 
 
 def run(args: argparse.Namespace) -> None:

@@ -5,17 +5,21 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from .values import add_muscle
 
-def arguments(parser: argparse.ArgumentParser) -> None:
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
-    parser.add_argument('outdir', metavar='OUTDIR', help='a folder that is empty or not there')
-    parser.add_argument('--muscle', default='deltoid', help='a bundled model or a .yaml file')
-    parser.add_argument('--half', action='store_true',
-                        help='halve simulated moment arms, as the thesis does')  # fmt: skip
-    parser.add_argument('--spheres', metavar='FILE',
-                        help='a .yaml file with further interference spheres')  # fmt: skip
-    parser.add_argument('--no-animation', action='store_true', help='leave out the GIF of flexion')
-    parser.add_argument('--force', action='store_true', help='replace a study that stands there')
+    # fmt: off
+    add = parser.add_argument
+    add('outdir', metavar='OUTDIR', help='the folder to write into: empty, or not there yet')
+    add_muscle(parser)
+    add('--half', action='store_true',
+        help='halve the simulated moment arms, as the thesis does')
+    add('--spheres', metavar='FILE', help='add the interference spheres of a .yaml file')
+    add('--no-animation', action='store_true', help='leave out the GIF of flexion')
+    add('--force', action='store_true', help='replace a study that OUTDIR holds')
+    # fmt: on
 
 
 def run(args: argparse.Namespace) -> None:

@@ -15,7 +15,7 @@ from command_line import PROGRAM, fault, said
 
 import linkedplane_ros
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.commands.main import main
+from linkedplane_ros.commands.main import COMMANDS, build_parser, main
 
 THESIS = 'flexion_abduction_rotation'
 DELTOID = BroadMuscle.load('deltoid')
@@ -235,12 +235,20 @@ def test_help_lists_the_commands_with_what_they_do(capsys: pytest.CaptureFixture
         assert any(line.split(None, 1) == [command, does] for line in text.splitlines())
 
 
-@pytest.mark.parametrize('command', ['info', 'solve', 'play', 'process', 'plot', 'study'])
+@pytest.mark.parametrize('command', COMMANDS)
 def test_each_command_has_its_help(capsys: pytest.CaptureFixture[str], command: str) -> None:
     with pytest.raises(SystemExit) as caught:
         main([command, '--help'])
     assert caught.value.code == 0
     assert capsys.readouterr().out.startswith(f'usage: linkedplane {command}')
+
+
+@pytest.mark.parametrize('command', COMMANDS)
+def test_every_option_says_what_it_is_for(command: str) -> None:
+    (commands,) = (each for each in build_parser()._actions if each.choices)
+    assert isinstance(commands.choices, dict)
+    for action in commands.choices[command]._actions:
+        assert action.help, f'{command}: {action.dest}'
 
 
 def test_the_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None:
@@ -252,7 +260,7 @@ def test_the_version_is_the_packages(capsys: pytest.CaptureFixture[str]) -> None
 
 def test_it_needs_no_ros_but_for_play() -> None:
     check = (
-        'import sys; from linkedplane_ros.commands.main import main; '
+        'import sys; from linkedplane_ros.commands.main import COMMANDS, build_parser, main; '
         f"main(['solve', '--convention', {THESIS!r}, '0', '0', '0']); "
         "sys.exit('rclpy' in sys.modules or 'rosbags' in sys.modules)"
     )
