@@ -28,8 +28,8 @@ from sensor_msgs.msg import JointState  # noqa: E402
 from linkedplane_ros.drawing.shapes import Pace  # noqa: E402
 from linkedplane_ros.node import qos  # noqa: E402
 from linkedplane_ros.node.markers import MuscleMarkers  # noqa: E402
-from linkedplane_ros.node.messages import Answers  # noqa: E402
-from linkedplane_ros.node.outputs import OUTPUTS  # noqa: E402
+from linkedplane_ros.node.messages import Answers, message_class  # noqa: E402
+from linkedplane_ros.node.topics import JOINT_STATES, OUTPUTS  # noqa: E402
 
 
 class PassThrough(Node):
@@ -44,19 +44,19 @@ class PassThrough(Node):
         self.pace = Pace(30.0)
         self.answers = Answers(muscle.band_names, ('x', 'y', 'z'), 'scapula')
         self.outputs = {
-            name: self.create_publisher(
-                kind,
-                f'deltoid/{name}',
-                qos.markers() if name == 'markers' else qos.answers(),
+            topic.name: self.create_publisher(
+                message_class(topic.type),
+                f'deltoid/{topic.name}',
+                qos.profile(topic),
                 event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
             )
-            for name, kind in OUTPUTS.items()
+            for topic in OUTPUTS
         }
         self.create_subscription(
             JointState,
-            'joint_states',
+            JOINT_STATES.name,
             self.answer,
-            qos.joint_states(),
+            qos.profile(JOINT_STATES),
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
         )
 

@@ -17,17 +17,11 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, UInt8MultiArray
-from visualization_msgs.msg import MarkerArray
 
-TOPICS = {
-    'band_lengths': Float64MultiArray,
-    'moment_arms': Float64MultiArray,
-    'band_states': JointState,
-    'wrap_states': UInt8MultiArray,
-    'moment_vectors': Float64MultiArray,
-    'markers': MarkerArray,
-}
+from linkedplane_ros.node.messages import message_class
+from linkedplane_ros.node.topics import OUTPUTS
+
+TOPICS = {topic.name: message_class(topic.type) for topic in OUTPUTS}
 ANSWERS = tuple(topic for topic in TOPICS if topic != 'markers')
 PATIENCE = 60.0  # s: the longest that anything is waited for; nothing is asserted about time
 

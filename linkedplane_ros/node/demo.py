@@ -16,18 +16,14 @@ import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, UInt8MultiArray
-from visualization_msgs.msg import MarkerArray
 
 from ..muscle.broad_muscle import BroadMuscle
+from ..processing.topics import ANSWERS
 from ..recordings.bags import Recording
+from .messages import message_class
+from .topics import OUTPUTS
 
-ANSWERS = {
-    'band_lengths': Float64MultiArray,
-    'moment_arms': Float64MultiArray,
-    'band_states': JointState,
-    'wrap_states': UInt8MultiArray,
-}
+NAMES = tuple(topic.name for topic in ANSWERS)
 STARTING = 300.0  # s for the node to start, and to compile the solver the first time
 PATIENCE = 40.0  # s for the recording
 LOSE_NOTHING = [
@@ -53,9 +49,14 @@ class Listener(Node):
         self._next_row: float | None = None
         qos = QoSProfile(depth=1000)
         self._listening = [self.create_subscription(JointState, 'joint_states', self._input, qos)]
-        for topic, kind in {**ANSWERS, 'markers': MarkerArray}.items():
+        for topic in OUTPUTS:
             self._listening.append(
-                self.create_subscription(kind, f'{muscle.name}/{topic}', self._counter(topic), qos)
+                self.create_subscription(
+                    message_class(topic.type),
+                    f'{muscle.name}/{topic.name}',
+                    self._counter(topic.name),
+                    qos,
+                )
             )
 
     def connected(self) -> bool:
@@ -161,7 +162,7 @@ def main() -> int:
 
 def counted(listener: Listener, count: int) -> bool:
     """Return whether all answers to so many inputs are in."""
-    return all(listener.counts[topic] >= count for topic in ('joint_states', *ANSWERS))
+    return all(listener.counts[topic] >= count for topic in ('joint_states', *NAMES))
 
 
 def spin(listener: Listener, until: Any, node: subprocess.Popen[bytes], patience: float) -> bool:
@@ -178,8 +179,8 @@ def summary(listener: Listener, expected: int) -> int:
     """Print what went in and came out; return 0 if they agree."""
     counts = listener.counts
     print(f'\nin:  joint_states {counts["joint_states"]}')
-    answers = ', '.join(f'{topic} {counts[topic]}' for topic in ANSWERS)
+    answers = ', '.join(f'{topic} {counts[topic]}' for topic in NAMES)
     print(f'out: {answers}; markers {counts["markers"]} (30 Hz at most)')
-    agree = all(counts[topic] == counts['joint_states'] == expected for topic in ANSWERS)
+    agree = all(counts[topic] == counts['joint_states'] == expected for topic in NAMES)
     print('every joint state was answered once on every topic' if agree else 'they DISAGREE')
     return 0 if agree else 1

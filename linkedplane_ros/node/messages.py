@@ -4,51 +4,47 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from typing import Any
 
 from builtin_interfaces.msg import Time
-from sensor_msgs.msg import JointState
-from std_msgs.msg import (
-    Float64MultiArray,
-    Header,
-    MultiArrayDimension,
-    MultiArrayLayout,
-    UInt8MultiArray,
-)
+from std_msgs.msg import MultiArrayDimension, MultiArrayLayout
 
-from ..processing.layouts import BAND, dimensions
+from ..processing.topics import ANSWERS, dimension_names, label_dimensions
 from ..solver.linked_plane_solver import MuscleState
 from ..types import Floats
 
 
-def layout(*dims: tuple[str, Sequence[str]]) -> MultiArrayLayout:
-    """Return the row-major layout of these dimensions, as `layouts.dimensions`."""
+def message_class(name: str) -> Any:
+    """Return the class of a message type such as `std_msgs/msg/Float64MultiArray`."""
+    package, _, kind = name.split('/')
+    return getattr(import_module(f'{package}.msg'), kind)
+
+
+def layout(*dimensions: tuple[str, Sequence[str]]) -> MultiArrayLayout:
+    """Return the row-major layout of these dimensions, as `topics.label_dimensions`."""
     return MultiArrayLayout(
         dim=[
             MultiArrayDimension(label=label, size=size, stride=stride)
-            for label, size, stride in dimensions(*dims)
+            for label, size, stride in label_dimensions(*dimensions)
         ]
     )
 
 
 class Answers:
-    """The answers on one muscle's topics: made once, then filled in for state after state."""
+    """The messages on one muscle's topics: built once, then filled in for state after state."""
 
     def __init__(self, bands: Sequence[str], coordinates: Sequence[str], frame_id: str) -> None:
         """Name the bands and the coordinates in the layouts."""
-        band = (BAND, bands)
-        self._lengths = Float64MultiArray(layout=layout(band))
-        self._arms = Float64MultiArray(layout=layout(band, ('coordinate', coordinates)))
-        self._states = JointState(name=list(bands), header=Header(frame_id=frame_id))
-        self._wrap = UInt8MultiArray(layout=layout(band))
-        self._vectors = Float64MultiArray(layout=layout(band, ('axis', ('x', 'y', 'z'))))
-        self._topics = {
-            'band_lengths': self._lengths,
-            'moment_arms': self._arms,
-            'band_states': self._states,
-            'wrap_states': self._wrap,
-            'moment_vectors': self._vectors,
-        }
+        names = dimension_names(bands, coordinates)
+        self._topics = {topic.name: message_class(topic.type)() for topic in ANSWERS}
+        for topic in ANSWERS:
+            if topic.dimensions:
+                self._topics[topic.name].layout = layout(
+                    *((kind, names[kind]) for kind in topic.dimensions)
+                )
+        states = self._topics['band_states']
+        states.name, states.header.frame_id = list(bands), frame_id
 
     def at(
         self, stamp: Time, state: MuscleState, arms: Floats, lengthening: Floats | None
@@ -58,12 +54,14 @@ class Answers:
         `arms` (n, 3), m, about the coordinates; `lengthening` (n,), m/s, or None: not known. The
         bands are joints as well: their lengths the positions, their lengthening the velocities.
         """
+        topics = self._topics
         lengths = array('d', state.lengths.tobytes())
-        self._lengths.data = lengths
-        self._arms.data = array('d', arms.tobytes())
-        self._states.header.stamp = stamp
-        self._states.position = lengths
-        self._states.velocity = array('d', b'' if lengthening is None else lengthening.tobytes())
-        self._wrap.data = array('B', state.wrap.tobytes())
-        self._vectors.data = array('d', state.moment_vectors.tobytes())
-        return self._topics
+        topics['band_lengths'].data = lengths
+        topics['moment_arms'].data = array('d', arms.tobytes())
+        topics['wrap_states'].data = array('B', state.wrap.tobytes())
+        topics['moment_vectors'].data = array('d', state.moment_vectors.tobytes())
+        states = topics['band_states']
+        states.header.stamp = stamp
+        states.position = lengths
+        states.velocity = array('d', b'' if lengthening is None else lengthening.tobytes())
+        return topics

@@ -25,6 +25,7 @@ from ..joints.joint_state import JointMemory, Rejected
 from ..linked_planes.compiled import COMPILED
 from . import parameters, qos
 from .outputs import THROTTLE, MuscleOutputs
+from .topics import DIAGNOSTICS, JOINT_STATES
 
 
 class MuscleStatePublisher(Node):
@@ -41,8 +42,8 @@ class MuscleStatePublisher(Node):
         self._apply(settings, self._with_topics(settings))
         self._diagnostics = self.create_publisher(
             DiagnosticArray,
-            '/diagnostics',
-            10,
+            DIAGNOSTICS.name,
+            qos.profile(DIAGNOSTICS),
             event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
         )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -52,9 +53,9 @@ class MuscleStatePublisher(Node):
         with qos.overrides_in_one_line():
             self._input = self.create_subscription(
                 JointState,
-                'joint_states',
+                JOINT_STATES.name,
                 self._answer,
-                qos.joint_states(),
+                qos.profile(JOINT_STATES),
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                 qos_overriding_options=qos.overridable(),
             )

@@ -11,9 +11,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, UInt8MultiArray
-from visualization_msgs.msg import MarkerArray
 
 from ..drawing.shapes import Pace
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
@@ -24,17 +21,10 @@ from ..types import Triple
 from . import qos
 from .diagnostics import Tally, status
 from .markers import MuscleMarkers
-from .messages import Answers
+from .messages import Answers, message_class
 from .parameters import STILL, Settings
+from .topics import OUTPUTS
 
-OUTPUTS = {
-    'band_lengths': Float64MultiArray,
-    'moment_arms': Float64MultiArray,
-    'band_states': JointState,
-    'wrap_states': UInt8MultiArray,
-    'moment_vectors': Float64MultiArray,
-    'markers': MarkerArray,
-}
 THROTTLE = 5.0  # s between lines on rejected messages
 
 
@@ -50,11 +40,11 @@ class MuscleOutputs:
         self._viewers = 0
         self._cleared = False
         try:
-            for topic, kind in OUTPUTS.items():
-                self.topics[topic] = node.create_publisher(
-                    kind,
-                    f'{name}/{topic}',
-                    qos.markers() if topic == 'markers' else qos.answers(),
+            for topic in OUTPUTS:
+                self.topics[topic.name] = node.create_publisher(
+                    message_class(topic.type),
+                    f'{name}/{topic.name}',
+                    qos.profile(topic),
                     event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
                     qos_overriding_options=qos.overridable(),
                 )

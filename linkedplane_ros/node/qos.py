@@ -23,27 +23,16 @@ from rclpy.qos import (
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.subscription import Subscription
 
+from .topics import Topic
+
 BEST_EFFORT, RELIABLE = ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE
 MOST = 2**31 - 1  # the middleware's longest queue
 VOLATILE, LATCHED = DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL
 
 
-def joint_states() -> QoSProfile:
-    """Return that of the input: takes what any publisher offers, deep enough for a burst."""
-    return QoSProfile(depth=100, reliability=BEST_EFFORT)
-
-
-def answers() -> QoSProfile:
-    """Return that of the outputs.
-
-    Deep enough at 500 Hz to give a reader again what it lost up to a heartbeat (3 s) ago.
-    """
-    return QoSProfile(depth=2000, reliability=RELIABLE)
-
-
-def markers() -> QoSProfile:
-    """Return that of the markers: the newest count."""
-    return QoSProfile(depth=10, reliability=RELIABLE)
+def profile(topic: Topic) -> QoSProfile:
+    """Return the quality of service of a topic of the node."""
+    return QoSProfile(depth=topic.depth, reliability=ReliabilityPolicy[topic.reliability.upper()])
 
 
 def overridable() -> QoSOverridingOptions:

@@ -10,9 +10,10 @@ from typing import Any
 from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC, Pace
 from ..errors import RecordingError
 from ..recordings.bags import JOINT_STATE, opened
-from .cdr import TYPES, JointStates, SerializedAnswers
-from .cdr_markers import MARKER_ARRAY, SerializedMarkers
+from .cdr import JointStates, SerializedAnswers
+from .cdr_markers import SerializedMarkers
 from .outputs import Described, Solved
+from .topics import ANSWERS, MARKERS
 
 
 class BagOutput:
@@ -31,11 +32,11 @@ class BagOutput:
                 originals = list(reader.connections)
                 if any('.db3' in each.name for each in files_of(source)):
                     plugin = StoragePlugin.SQLITE3
-        added = {f'/{muscle.name}/{topic}': kind for topic, kind in TYPES.items()}
+        added = {f'/{muscle.name}/{topic.name}': topic.type for topic in ANSWERS}
         if described.angles_topic:
             added[described.angles_topic] = JOINT_STATE
         if described.markers:
-            added[f'/{muscle.name}/markers'] = MARKER_ARRAY
+            added[f'/{muscle.name}/{MARKERS.name}'] = MARKERS.type
         for topic in added.keys() & {each.topic for each in originals}:
             raise RecordingError(f'{source}: {topic} is in it already; it has been processed')
         self._writer = Writer(path, version=9, storage_plugin=plugin)
@@ -106,7 +107,7 @@ class BagOutput:
         topics = [self._added[topic] for topic in made]
         frames = [list(zip(topics, each, strict=True)) for each in zip(*made.values(), strict=True)]
         if described.markers:
-            topic = self._added[f'/{described.muscle.name}/markers']
+            topic = self._added[f'/{described.muscle.name}/{MARKERS.name}']
             stamps, times = chunk.stamps.tolist(), chunk.times.tolist()
             due = [
                 k

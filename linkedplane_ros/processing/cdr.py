@@ -6,6 +6,7 @@ numbers of the others are put in its place.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -16,16 +17,7 @@ import numpy.typing as npt
 from ..errors import RecordingError
 from ..recordings.bags import JOINT_STATE
 from ..types import Floats
-from .layouts import BAND, dimensions
-
-TYPES = {
-    'band_lengths': 'std_msgs/msg/Float64MultiArray',
-    'moment_arms': 'std_msgs/msg/Float64MultiArray',
-    'band_states': JOINT_STATE,
-    'wrap_states': 'std_msgs/msg/UInt8MultiArray',
-    'moment_vectors': 'std_msgs/msg/Float64MultiArray',
-}
-
+from .topics import ANSWERS, UINT8_ARRAY, Topic, dimension_names, label_dimensions
 
 STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # an example that is found again
 
@@ -117,37 +109,35 @@ class SerializedAnswers:
         self, store: Any, bands: Sequence[str], coordinates: Sequence[str], frame_id: str
     ) -> None:
         """`store`: the type store of rosbags."""
-        n = len(bands)
         self._store = store
-        numbers = np.linspace(0.1, 0.2, 3 * n)  # an example that is found again
+        names = dimension_names(bands, coordinates)
         self._templates = {
-            'band_lengths': self._array(numbers[:n], (BAND, bands)),
-            'moment_arms': self._array(numbers, (BAND, bands), ('coordinate', coordinates)),
-            'wrap_states': self._array(
-                np.arange(200, 200 + n, dtype=np.uint64).astype(np.uint8), (BAND, bands)
-            ),
-            'moment_vectors': self._array(numbers, (BAND, bands), ('axis', ('x', 'y', 'z'))),
+            topic.name: self._array(topic, *((kind, names[kind]) for kind in topic.dimensions))
+            for topic in ANSWERS
+            if topic.dimensions
         }
         self._states = JointStates(store, bands, frame_id)
 
     def _message(self, kind: str, **fields: Any) -> Any:
         return self._store.types[kind](**fields)
 
-    def _array(self, data: npt.NDArray[Any], *dims: tuple[str, Sequence[str]]) -> Template:
+    def _array(self, topic: Topic, *dimensions: tuple[str, Sequence[str]]) -> Template:
         layout = self._message(
             'std_msgs/msg/MultiArrayLayout',
             dim=[
                 self._message(
                     'std_msgs/msg/MultiArrayDimension', label=label, size=size, stride=stride
                 )
-                for label, size, stride in dimensions(*dims)
+                for label, size, stride in label_dimensions(*dimensions)
             ],
             data_offset=0,
         )
-        whole = 'UInt8' if data.dtype == np.uint8 else 'Float64'
-        kind = f'std_msgs/msg/{whole}MultiArray'
-        message = self._message(kind, layout=layout, data=data)
-        return Template(bytes(self._store.serialize_cdr(message, kind)), data=data)
+        size = math.prod(len(names) for _, names in dimensions)
+        data = np.linspace(0.1, 0.2, size)  # an example that is found again
+        if topic.type == UINT8_ARRAY:
+            data = np.arange(200, 200 + size).astype(np.uint8)
+        message = self._message(topic.type, layout=layout, data=data)
+        return Template(bytes(self._store.serialize_cdr(message, topic.type)), data=data)
 
     def of(
         self,
@@ -173,4 +163,4 @@ class SerializedAnswers:
             )
         }
         made['band_states'] = self._states.filled(stamps, lengths, lengthening)
-        return {topic: made[topic] for topic in TYPES}
+        return {topic.name: made[topic.name] for topic in ANSWERS}

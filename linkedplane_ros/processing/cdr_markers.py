@@ -13,8 +13,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import MuscleState
 from ..types import Colour, Floats
 from .cdr import STAMP, Template, split_stamps
-
-MARKER_ARRAY = 'visualization_msgs/msg/MarkerArray'
+from .topics import MARKERS
 
 
 class SerializedMarkers:
@@ -58,8 +57,8 @@ class SerializedMarkers:
             self._marker(shape, example, place.action)
             for shape, example, place in zip(self._shapes.shapes, examples, places, strict=True)
         ]
-        message = self._store.types[MARKER_ARRAY](markers=markers)
-        data = bytes(self._store.serialize_cdr(message, MARKER_ARRAY))
+        message = self._store.types[MARKERS.type](markers=markers)
+        data = bytes(self._store.serialize_cdr(message, MARKERS.type))
         return Template(data, stamp=STAMP, **dict(numbers(examples)))
 
     def _marker(self, shape: Shape, place: Place, action: int) -> Any:

@@ -20,6 +20,7 @@ from ..recordings.bag_motion import JointTaker
 from ..recordings.bags import deserialized, opened
 from ..recordings.motion import Frame
 from ..types import Floats
+from .topics import read_label
 
 
 def read(path: Path) -> Processed:
@@ -95,7 +96,7 @@ def columns_of_bag(path: Path, muscle: str, taker: JointTaker) -> dict[str, Floa
     answers: dict[str, list[Any]] = {name: [] for name in wanted.values()}
     frames: list[Frame] = []
     answered: list[Frame] = []
-    names: dict[str, list[str]] = {}
+    names: dict[str, tuple[str, ...]] = {}
     with closing(opened(path)) as reader:
         for connection, time, data in reader.messages():
             topic = connection.topic
@@ -106,10 +107,7 @@ def columns_of_bag(path: Path, muscle: str, taker: JointTaker) -> dict[str, Floa
             elif topic in wanted:
                 message = deserialized(reader, data, connection.msgtype)
                 answers[wanted[topic]].append(message.data)
-                names = {
-                    kind: listed.split(',')
-                    for kind, _, listed in (dim.label.partition(':') for dim in message.layout.dim)
-                } | names
+                names = dict(read_label(dim.label) for dim in message.layout.dim) | names
                 if wanted[topic] == 'band_lengths':  # the first of an answer
                     answered += frames
     bands, coordinates = names['band'], names['coordinate']

@@ -25,6 +25,8 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import MarkerArray
 
 from ..joints.joint_state import JointMemory, Rejected
+from ..processing.topics import FLOAT_ARRAY, MARKERS, read_label
+from ..recordings.bags import JOINT_STATE
 from ..types import Floats
 from .newest import MARKERS_KEPT, Facts, Newest
 
@@ -33,8 +35,6 @@ GATHER, GATHERINGS = 0.001, 12  # s between looks for the rest of an answer, and
 ANSWER = 8  # messages: more are a stream that is quicker than its markers
 LOOK = 0.5  # s between looks at what is there
 POSES_KEPT = 64  # joint states, to find the pose that an answer belongs to
-MARKER_ARRAY, LENGTHS = 'visualization_msgs/msg/MarkerArray', 'std_msgs/msg/Float64MultiArray'
-JOINT_STATE = 'sensor_msgs/msg/JointState'
 ASKED = ('muscle', 'side', 'joint_convention', 'joint_names', 'joint_signs', 'joint_offsets')
 
 
@@ -50,8 +50,8 @@ def muscles_among(topics: list[tuple[str, list[str]]]) -> list[str]:
     return sorted(
         prefix
         for prefix in prefixes
-        if MARKER_ARRAY in kinds[f'{prefix}/markers']
-        and LENGTHS in kinds.get(f'{prefix}/band_lengths', ())
+        if MARKERS.type in kinds[f'{prefix}/markers']
+        and FLOAT_ARRAY in kinds.get(f'{prefix}/band_lengths', ())
     )
 
 
@@ -105,7 +105,7 @@ class MuscleReader:
         return self._node.create_subscription(kind, topic, take, profile, **how)
 
     def _take_arms(self, message: Float64MultiArray) -> None:
-        names = [tuple(dim.label.partition(':')[2].split(',')) for dim in message.layout.dim]
+        names = [read_label(dim.label)[1] for dim in message.layout.dim]
         if len(names) != 2 or len(names[1]) != 3 or len(message.data) != 3 * len(names[0]):
             return
         if (names[1], names[0]) != self._labels:

@@ -14,8 +14,8 @@ from ros_harness import Peer
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.markers import MuscleMarkers
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.node.outputs import OUTPUTS
 from linkedplane_ros.node.parameters import SPECS, markdown
+from linkedplane_ros.node.topics import OUTPUTS
 
 TOP = Path(__file__).parents[2]
 README = (TOP / 'README.md').read_text()
@@ -97,7 +97,7 @@ def test_foxglove_is_set_to_topics_namespaces_and_values_that_exist() -> None:
     for name, panel in panels.items():
         if name.startswith('Plot!'):
             assert tuple(path['label'] for path in panel['paths']) == names
-    assert {'markers', 'band_states', 'moment_arms'} <= set(OUTPUTS)
+    assert {'markers', 'band_states', 'moment_arms'} <= {topic.name for topic in OUTPUTS}
     assert panels['DiagnosticSummary!node']['topicToRender'] == '/diagnostics'
 
 
@@ -110,7 +110,7 @@ def test_every_foxglove_panel_stands_in_the_layout_once() -> None:
     assert sorted(leaves(layout['layout'])) == sorted(layout['configById'])
 
 
-@pytest.mark.parametrize('topic', OUTPUTS)
+@pytest.mark.parametrize('topic', [topic.name for topic in OUTPUTS])
 def test_the_readme_has_every_topic(topic: str) -> None:
     assert f'`deltoid/{topic}`' in README
 

@@ -27,7 +27,7 @@ from std_msgs.msg import Float64MultiArray
 from visualization_msgs.msg import MarkerArray
 
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.node.outputs import OUTPUTS
+from linkedplane_ros.node.topics import OUTPUTS
 
 NAMES = ('flexion', 'abduction', 'rotation')
 POSE = (0.3, 0.2, 0.1)  # rad
@@ -106,7 +106,7 @@ EXAMPLES, EACH = 400, 250
 
 def test_a_hundred_thousand_odd_messages_are_answered_or_counted(ros: None) -> None:
     node = MuscleStatePublisher()
-    catchers = {name: Catcher() for name in OUTPUTS}
+    catchers = {topic.name: Catcher() for topic in OUTPUTS}
     [muscle] = node._muscles
     real, muscle.topics = muscle.topics, catchers
     sent = Counter[str]()

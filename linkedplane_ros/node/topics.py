@@ -1,0 +1,68 @@
+"""The node's topics: what it subscribes and publishes, for the node and for its documentation.
+
+No ROS is needed here: message types are named, as `std_msgs/msg/Float64MultiArray`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..processing.topics import ANSWERS, MARKERS, Topic
+from ..recordings.bags import JOINT_STATE
+
+JOINT_STATES = Topic(
+    'joint_states',
+    JOINT_STATE,
+    'The three **glenohumeral** angles, rad: humerus against scapula. Joints are found by name, in '
+    'any order, among any others; they may come in several messages, and the newest value of each '
+    'counts.',
+    reliability='best_effort',  # takes what any publisher offers
+    depth=100,
+)
+CLOCK = Topic(
+    '/clock',
+    'rosgraph_msgs/msg/Clock',
+    'Under `use_sim_time`; it dates the diagnostics alone.',
+    reliability='best_effort',
+    depth=1,
+)
+DIAGNOSTICS = Topic(
+    '/diagnostics',
+    'diagnostic_msgs/msg/DiagnosticArray',
+    'Once a second, for each muscle: messages received, answered and rejected by reason; solve and '
+    "callback times (mean, 99th percentile, worst); the input's age; theta and wrap states; "
+    'convention, muscle, compiled or not; answers near the singularity; peers whose quality of '
+    'service does not fit. OK; WARN: something rejected in the last second, or a peer that does '
+    'not fit; ERROR: nothing was usable so far; STALE: no input yet, or none for 3 s.',
+    depth=10,
+)
+OUTPUTS = (*ANSWERS, MARKERS)
+"""The topics of each muscle, under its name."""
+
+
+def topic_rows(topics: Iterable[Topic], prefix: str = '') -> list[tuple[str, str, str, str]]:
+    """Return the rows of a table of topics for the documentation, in Markdown.
+
+    Parameters
+    ----------
+    topics
+        `(JOINT_STATES, CLOCK)` are subscribed; `OUTPUTS`, with a muscle's name and a slash as
+        prefix, and `(DIAGNOSTICS,)` are published.
+    prefix
+        What stands before each name.
+
+    Returns
+    -------
+    list of (str, str, str, str)
+        Topic, type, quality of service and meaning.
+
+    """
+    return [
+        (
+            f'`{prefix}{topic.name}`',
+            topic.type.replace('/msg/', '/'),
+            f'{topic.reliability.replace("_", " ")}, depth {topic.depth}',
+            topic.meaning,
+        )
+        for topic in topics
+    ]
