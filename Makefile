@@ -12,7 +12,7 @@ endif
 unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
 unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo view test browser bench soak check workspace clean
+.PHONY: help demo view test browser bench soak check docs workspace clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
@@ -23,7 +23,7 @@ demo: .venv/.made  ## run the node on recorded motion and show its topics
 view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and move the arm
 	@$(BIN)/muscle_viewer --node
 
-test: .venv/.rivals check workspace  ## run all checks and tests
+test: .venv/.rivals check docs workspace  ## run all checks and tests
 	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2
 	@$(MAKE) --no-print-directory browser
 
@@ -47,6 +47,10 @@ check: .venv/.made  ## style, types, and who imports whom
 	$(BIN)/python doc/house.py
 	$(BIN)/python -c '$(OLD_NUMPY)' || $(BIN)/mypy
 
+docs: .venv/.docs  ## build the documentation into build/doc; any warning fails
+	$(BIN)/python -m sphinx -E -W --keep-going -n -q doc build/doc
+	@echo 'build/doc/index.html'
+
 # colcon test runs only what has to be seen from a built workspace (executables, installed files);
 # the other tests would find the same sources a second time.
 workspace: .venv/.made  ## build the package with colcon and test what it installs
@@ -68,6 +72,10 @@ SUITABLE := import sys, ensurepip, venv; sys.exit(not (3, 10) <= sys.version_inf
 	$(PYTHON) -m venv --clear .venv
 	touch .venv/COLCON_IGNORE
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
+	touch $@
+
+.venv/.docs: .venv/.made
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	touch $@
 
 # Each rival where it can be had; what compares with a missing one is skipped, and says so.

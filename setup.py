@@ -16,6 +16,7 @@ fast = ['numba']
 tools = ['matplotlib', 'pyarrow', 'pymoo>=0.6.2', 'rich', 'rosbags', 'scipy']
 viewer = ['viser>=1.1,<2']
 cluster = ['dask[distributed]']
+docs = ['furo>=2024.8.6', 'myst-parser>=4', 'sphinx>=8.1']
 bench = ['mujoco>=3.6', 'opensim']
 test = [
     'colcon-bash',
@@ -53,6 +54,7 @@ setup(
         'viewer': viewer,
         'cluster': cluster,
         'bench': bench,
+        'docs': docs,
         'all': ros + fast + tools + viewer,
         'test': test + cluster,
     },

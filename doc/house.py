@@ -11,25 +11,27 @@ from __future__ import annotations
 
 import ast
 import sys
+from collections import Counter
 from collections.abc import Iterator
+from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
 SOURCES = Path(__file__).parents[1] / 'linkedplane_ros'
-PACKAGES = {
-    'linked_planes': "the thesis's chapter 4",
-    'joints': 'joint states to poses',
-    'muscle': 'a model and its file',
-    'solver': 'a muscle at a pose',
-    'drawing': 'a state as shapes and pictures',
-    'recordings': 'motion from files',
-    'processing': 'recordings with muscle states',
-    'node': 'topics, parameters, messages',
-    'fit': 'a model from measurements',
-    'rivals': 'other methods',
-    'study': "the thesis's chapter 5",
-    'viewer': 'the muscle in a browser',
-    'commands': 'the command line',
+PACKAGES = {  # in the way of the data: the column where it is drawn, and what it is
+    'linked_planes': (1, "the thesis's chapter 4"),
+    'joints': (0, 'joint states to poses'),
+    'muscle': (2, 'a model and its file'),
+    'solver': (1, 'a muscle at a pose'),
+    'drawing': (1, 'a state as shapes and pictures'),
+    'recordings': (0, 'motion from files'),
+    'processing': (0, 'recordings with muscle states'),
+    'node': (0, 'topics, parameters, messages'),
+    'fit': (1, 'a model from measurements'),
+    'rivals': (2, 'other methods'),
+    'study': (2, "the thesis's chapter 5"),
+    'viewer': (0, 'the muscle in a browser'),
+    'commands': (1, 'the command line'),
 }
 ROOT = ('errors', 'types')  # modules that everything may import
 WITH_ROS = ('node', 'viewer', 'commands')
@@ -95,7 +97,104 @@ def faults(sources: Path = SOURCES) -> Iterator[str]:
                     yield f'{where} {library} at its top; import it where it is used'
 
 
-if __name__ == '__main__':
+def arrows(sources: Path = SOURCES) -> Counter[tuple[str, str]]:
+    """Return how many modules of a package import from another one, for each such pair."""
+    pairs = {
+        (file, package, name[1])
+        for package in PACKAGES
+        for file in (sources / package).rglob('*.py')
+        for name in (found.name.split('.') for found in imports(file))
+        if name[0] == SOURCES.name and name[1:] and name[1] in PACKAGES and name[1] != package
+    }
+    return Counter((package, other) for _, package, other in pairs)
+
+
+def floors(pairs: Counter[tuple[str, str]]) -> dict[str, int]:
+    """Return the floor of each package: one above the highest of those that it imports from."""
+    floor: dict[str, int] = {}
+    for package in PACKAGES:
+        below = [floor[other] for one, other in pairs if one == package and other in floor]
+        floor[package] = max(below, default=-1) + 1
+    return floor
+
+
+def direct(pairs: Counter[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return the arrows that do not follow from others, by way of a third package."""
+    below = {package: {other for one, other in pairs if one == package} for package in PACKAGES}
+    reach: dict[str, set[str]] = {}
+    for package in PACKAGES:
+        reach[package] = below[package].union(*(reach[other] for other in below[package]))
+    return [
+        (package, other)
+        for package in PACKAGES
+        for other in PACKAGES
+        if other in below[package] and not any(other in reach[by] for by in below[package])
+    ]
+
+
+WIDE, HIGH, ACROSS, UP = 216, 50, 268, 98  # px: a box, and from one to the next
+STYLE = """
+  .house text { font: 12px system-ui, sans-serif; fill: currentColor; text-anchor: middle }
+  .house .name { font: 600 15px ui-monospace, monospace }
+  .house rect { fill: #4c8bb8; fill-opacity: .14; stroke: #4c8bb8; stroke-width: 1.5 }
+  .house .ros rect { fill: #c8783c; stroke: #c8783c }
+  .house path { fill: none; stroke: currentColor; stroke-opacity: .75 }
+  .house marker path { fill: currentColor; stroke: none }
+"""
+
+
+def picture(sources: Path = SOURCES) -> str:
+    """Return the house as an SVG: a box for each package, an arrow to each that it stands on."""
+    pairs = arrows(sources)
+    floor = floors(pairs)
+    top = max(floor.values())
+    columns = max(column for column, _ in PACKAGES.values())
+
+    def middle(package: str) -> tuple[float, float]:
+        x = 10 + WIDE / 2 + ACROSS * PACKAGES[package][0]
+        return x, 10 + HIGH / 2 + UP * (top - floor[package])
+
+    lines = []
+    for package, other in direct(pairs):
+        (x, y), (to_x, to_y) = middle(package), middle(other)
+        lean = (to_x - x) / ACROSS
+        x, y, to_x, to_y = x + 40 * lean, y + HIGH / 2, to_x - 40 * lean, to_y - HIGH / 2 - 6
+        turn = y + 0.42 * (UP - HIGH)  # aside between the first two floors, then straight down
+        path = f'M{x:g} {y:g} C{x:g} {turn:g} {to_x:g} {turn:g} {to_x:g} {y + UP - HIGH - 18:g}'
+        size = 1.0 + 0.25 * min(pairs[package, other], 10)
+        lines.append(
+            f'<path d="{path} V{to_y:g}" stroke-width="{size:g}" marker-end="url(#tip)">'
+            f'<title>{package} imports {other}: {pairs[package, other]} modules</title></path>'
+        )
+    for package, (_, meaning) in PACKAGES.items():
+        x, y = middle(package)
+        lines.append(
+            f'<g class="{"ros" if package in WITH_ROS else "plain"}">'
+            f'<rect x="{x - WIDE / 2:g}" y="{y - HIGH / 2:g}" width="{WIDE}" height="{HIGH}"/>'
+            f'<text class="name" x="{x:g}" y="{y - 4:g}">{package}</text>'
+            f'<text x="{x:g}" y="{y + 15:g}">{escape(meaning)}</text></g>'
+        )
+    wide, high = 20 + WIDE + ACROSS * columns, 20 + HIGH + UP * top
+    tip = '<path d="M0 0 L11 4.5 L0 9 z"/>'
+    marker = 'markerUnits="userSpaceOnUse" markerWidth="11" markerHeight="9" refX="7" refY="4.5"'
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="house" viewBox="0 0 {wide} {high}" '
+        f'width="{wide}" role="img" aria-label="The packages and what each imports">'
+        f'<style>{STYLE}</style>'
+        f'<defs><marker id="tip" {marker} orient="auto">{tip}</marker></defs>'
+    )
+    return '\n'.join((head, *lines, '</svg>\n'))
+
+
+def main(words: list[str]) -> int:
+    """Draw the house, or say what breaks its rules; return the exit status."""
+    if words:
+        Path(words[0]).write_text(picture(), encoding='utf-8')
+        return 0
     lines = list(faults())
     print(*lines, sep='\n', end='\n' * bool(lines))
-    sys.exit(bool(lines))
+    return bool(lines)
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what the command takes."""
     add = parser.add_argument
     add('model', metavar='MODEL', help='where to start: a bundled model or a .yaml file')
-    add('data', metavar='DATA.csv', help='measured lengths and moment arms (doc/fitting.md)')
+    add('data', metavar='DATA.csv', help='measured lengths and moment arms (doc/how_to/fitting.md)')
     add('out', metavar='OUT.yaml', help='the fitted model; its report is written beside it')
     what = parser.add_argument_group('what is fitted')
     add = what.add_argument

@@ -1,4 +1,4 @@
-"""Measured lengths and moment arms, read from a table (doc/fitting.md)."""
+"""Measured lengths and moment arms, read from a table (doc/how_to/fitting.md)."""
 
 from __future__ import annotations
 

@@ -180,7 +180,7 @@ class BroadMuscle:
 
         `scale` is a factor; 3 of them, along x, y and z of both bones; 6, the scapula's and then
         the humerus's; the same as text, with commas; or the path of a subject's measurements,
-        .yaml (doc/model_format.md). Raises ModelError where it is none of these.
+        .yaml (doc/reference/model_format.md). Raises ModelError where it is none of these.
         """
         wanted = scaling.scale_of(scale, self.definition)
         return BroadMuscle.of(scaling.scaled(self.definition, wanted))

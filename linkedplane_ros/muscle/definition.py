@@ -107,7 +107,7 @@ class Landmark:
 
 @dataclass(frozen=True)
 class Definition:
-    """What a model file states, in its own units; the fields as doc/model_format.md has them."""
+    """What a model file states, in its own units; the fields are those of the model file."""
 
     name: str
     source: str

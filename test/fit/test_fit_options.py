@@ -23,7 +23,7 @@ from linkedplane_ros.fit.fitting import Plan
 pytest.importorskip('pymoo')
 
 DELTOID = BroadMuscle.load('deltoid')
-DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'fitting.md').read_text(encoding='utf-8')
+DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'how_to' / 'fitting.md').read_text(encoding='utf-8')
 Stated = tuple[Criterion, Plan, Any, int]
 
 

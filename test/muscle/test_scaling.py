@@ -219,7 +219,7 @@ def test_the_factors_are_those_of_least_squares(subject: Write) -> None:
 
 
 def test_the_examples_of_the_document_fit_the_deltoid(tmp_path: Path) -> None:
-    document = (Path(__file__).parents[2] / 'doc' / 'model_format.md').read_text()
+    document = (Path(__file__).parents[2] / 'doc' / 'reference' / 'model_format.md').read_text()
     blocks = [block.partition('```')[0] for block in document.split('```yaml\n')[1:]]
     subjects = [block for block in blocks if block.startswith('format: linkedplane_ros/subject')]
     assert len(subjects) == 2

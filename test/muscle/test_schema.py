@@ -21,7 +21,7 @@ jsonschema = pytest.importorskip('jsonschema')
 MODELS = Path(linkedplane_ros.__file__).parent / 'models'
 SCHEMA = json.loads((MODELS / 'broad_muscle.schema.json').read_text())
 VALIDATOR = jsonschema.Draft7Validator(SCHEMA)
-DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'model_format.md').read_text()
+DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'reference' / 'model_format.md').read_text()
 
 # What a schema cannot tell: counts, names and values that have to suit others; nan
 BEYOND = (

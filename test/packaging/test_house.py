@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from xml.etree import ElementTree
 
 import house
 import pytest
+
+SVG = '{http://www.w3.org/2000/svg}'
 
 
 @pytest.fixture
@@ -54,3 +57,27 @@ def test_a_package_that_has_no_place_in_the_order_is_found(sources: Path) -> Non
     (sources / 'helpers').mkdir()
     (sources / 'helpers' / '__init__.py').touch()
     assert list(house.faults(sources)) == ['helpers: a package that doc/house.py does not know']
+
+
+def test_arrows_count_the_modules_that_import(sources: Path) -> None:
+    before = house.arrows(sources)
+    (sources / 'rivals' / 'wires.py').write_text(
+        'from ..recordings import bags\nfrom .. import rivals\n'
+    )
+    after = house.arrows(sources)
+    assert after - before == {('rivals', 'recordings'): 1}
+    order = list(house.PACKAGES)
+    assert all(order.index(other) < order.index(package) for package, other in before)
+
+
+def test_the_picture_has_every_package_and_no_arrow_that_follows_from_others() -> None:
+    pairs = house.Counter(
+        {('solver', 'muscle'): 3, ('muscle', 'joints'): 1, ('solver', 'joints'): 2}
+    )
+    assert house.direct(pairs) == [('muscle', 'joints'), ('solver', 'muscle')]
+    floors = house.floors(pairs)
+    assert [floors[name] for name in ('joints', 'muscle', 'solver')] == [0, 1, 2]
+    picture = ElementTree.fromstring(house.picture())
+    names = [text.text for text in picture.iter(SVG + 'text') if text.get('class') == 'name']
+    assert names == list(house.PACKAGES)
+    assert len(list(picture.iter(SVG + 'title'))) == len(house.direct(house.arrows()))

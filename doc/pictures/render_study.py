@@ -1,6 +1,6 @@
 """Draw the README's pictures of the study: moment arms beside others', bands within bone.
 
-Run it where linkedplane_ros[all] is installed: `python doc/render_study.py`.
+Run it where linkedplane_ros[all] is installed: `python doc/pictures/render_study.py`.
 """
 
 from __future__ import annotations

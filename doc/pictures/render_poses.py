@@ -1,6 +1,6 @@
 """Draw the README's picture: the deltoid at four poses, from the markers that RViz gets.
 
-Run it where linkedplane_ros[all] is installed: `python doc/render_poses.py [PNG]`.
+Run it where linkedplane_ros[all] is installed: `python doc/pictures/render_poses.py [PNG]`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Draw the derivation's picture: one band in its plane, along its line, and its length.
 
-Run it where linkedplane_ros[tools] is installed: `python doc/render_band.py [PNG]`.
+Run it where linkedplane_ros[tools] is installed: `python doc/pictures/render_band.py [PNG]`.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / 'bench'))
+sys.path.insert(0, str(HERE.parents[1] / 'bench'))
 
 import numpy as np  # noqa: E402
 from browser import WINDOW, Page, browser, until  # noqa: E402
