@@ -23,8 +23,11 @@ from sensor_msgs.msg import JointState
 
 from ..joints.joint_state import JointMemory, Rejected
 from ..linked_planes.compiled import COMPILED
-from . import parameters, qos
+from . import qos
+from .declaration import declare_parameters
 from .outputs import THROTTLE, MuscleOutputs
+from .parameters import NAMES
+from .settings import Settings
 from .topics import DIAGNOSTICS, JOINT_STATES
 
 
@@ -71,18 +74,18 @@ class MuscleStatePublisher(Node):
                 f'{settings.convention.relative_to}; this node needs it against the scapula'
             )
 
-    def _declared(self) -> parameters.Settings:
+    def _declared(self) -> Settings:
         """Return the parameters' settings; say so if the solver has to be compiled for them."""
         line = 'preparing the solver; the first start compiles it'
         notice = Timer(1.0, self.get_logger().info, [line])
         if COMPILED:
             notice.start()
         try:
-            return parameters.declare(self)
+            return declare_parameters(self)
         finally:
             notice.cancel()
 
-    def _apply(self, settings: parameters.Settings, muscles: Sequence[MuscleOutputs]) -> None:
+    def _apply(self, settings: Settings, muscles: Sequence[MuscleOutputs]) -> None:
         """Work with these settings from now on, and answer with these muscles."""
         if len(muscles) == len(self._muscles) == 1:  # another one in its place goes on counting
             muscles[0].tally = self._muscles[0].tally
@@ -97,7 +100,7 @@ class MuscleStatePublisher(Node):
             own = logger if len(muscles) == 1 else logger.get_child(muscle.name)
             muscle.apply(settings, solver, own)
 
-    def _with_topics(self, settings: parameters.Settings) -> list[MuscleOutputs]:
+    def _with_topics(self, settings: Settings) -> list[MuscleOutputs]:
         """Return the muscles of the settings; those there are where they have the name."""
         there = {muscle.name: muscle for muscle in self._muscles}
         names = [solver.muscle.name for solver in settings.solvers]
@@ -116,11 +119,11 @@ class MuscleStatePublisher(Node):
     def _check(self, changes: list[Parameter]) -> SetParametersResult:
         """Accept a batch of parameter changes if the whole of it can be worked with."""
         names = {change.name for change in changes}
-        if names.isdisjoint(parameters.NAMES):
+        if names.isdisjoint(NAMES):
             return SetParametersResult(successful=True)
         may_fail = () if 'muscle' in names else self._settings.left_out
         try:
-            settings = parameters.Settings.from_values(self._values(changes), may_fail)
+            settings = Settings.from_values(self._values(changes), may_fail)
             self._candidate = settings, self._with_topics(settings)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
@@ -128,11 +131,11 @@ class MuscleStatePublisher(Node):
 
     def _change(self, changes: list[Parameter]) -> None:
         """Work with accepted parameters."""
-        if any(change.name in parameters.NAMES for change in changes):
+        if any(change.name in NAMES for change in changes):
             self._apply(*self._candidate)
 
     def _values(self, changes: list[Parameter]) -> dict[str, Any]:
-        values = {name: self.get_parameter(name).value for name in parameters.NAMES}
+        values = {name: self.get_parameter(name).value for name in NAMES}
         values.update({change.name: change.value for change in changes})
         return values
 

@@ -22,7 +22,7 @@ from . import qos
 from .diagnostics import Tally, status
 from .markers import MuscleMarkers
 from .messages import Answers, message_class
-from .parameters import STILL, Settings
+from .settings import STILL, Settings
 from .topics import OUTPUTS
 
 THROTTLE = 5.0  # s between lines on rejected messages

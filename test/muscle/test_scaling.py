@@ -327,7 +327,8 @@ def test_the_commands_take_a_scale(capsys: pytest.CaptureFixture[str], tmp_path:
     [('1.1', 1.1), (1.1, 1.1), (2, 2.0), ([1.1, 0.9, 1.3], (1.1, 0.9, 1.3)), ('1', 1.0)],
 )
 def test_the_nodes_scale_is_text_or_numbers(value: Any, want: Any) -> None:
-    from linkedplane_ros.node.parameters import SPECS, Settings
+    from linkedplane_ros.node.parameters import SPECS
+    from linkedplane_ros.node.settings import Settings
 
     values = {spec.name: spec.default for spec in SPECS} | {'scale': value}
     assert Settings.from_values(values).solvers[0].muscle == DELTOID.scaled(want)
@@ -335,7 +336,8 @@ def test_the_nodes_scale_is_text_or_numbers(value: Any, want: Any) -> None:
 
 @pytest.mark.parametrize('value', ['large', 0.0, -1, [1.0, 2.0], True, 'absent.yaml', ''])
 def test_a_scale_that_is_none_is_refused(value: Any) -> None:
-    from linkedplane_ros.node.parameters import SPECS, Settings
+    from linkedplane_ros.node.parameters import SPECS
+    from linkedplane_ros.node.settings import Settings
 
     values = {spec.name: spec.default for spec in SPECS} | {'scale': value}
     with pytest.raises(ValueError, match=r'scale|cannot be read'):

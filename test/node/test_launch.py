@@ -16,7 +16,8 @@ from launch_stand_ins import (
     started_with,
 )
 
-from linkedplane_ros.node.parameters import SPECS, Settings
+from linkedplane_ros.node.parameters import SPECS
+from linkedplane_ros.node.settings import Settings
 
 TOP = Path(__file__).parents[2]
 DELTOID = TOP / 'launch' / 'deltoid.launch.py'

@@ -19,7 +19,8 @@ from visualization_msgs.msg import Marker
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.node.parameters import NAMES, SPECS, Settings
+from linkedplane_ros.node.parameters import NAMES, SPECS
+from linkedplane_ros.node.settings import Settings
 
 EXACT = 1e-12  # m: the node computes what the solver computes
 DEFAULTS = {spec.name: spec.default for spec in SPECS}
@@ -80,8 +81,8 @@ WRONG: list[tuple[str, Any, str]] = [
 def test_every_default_is_valid_and_comes_out_as_it_is() -> None:
     for spec in SPECS:
         meant = [] if spec.name == 'joint_names' else spec.default
-        assert spec.checked(spec.default) == meant
-        assert type(spec.checked(spec.default)) is type(spec.default)
+        assert spec.check(spec.default) == meant
+        assert type(spec.check(spec.default)) is type(spec.default)
     settings = Settings.from_values(DEFAULTS)
     assert settings.solvers[0].muscle.name == 'deltoid'
     assert settings.solvers[0].side == 'right'

@@ -17,7 +17,8 @@ from visualization_msgs.msg import Marker
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.node.parameters import SPECS, Settings
+from linkedplane_ros.node.parameters import SPECS
+from linkedplane_ros.node.settings import Settings
 
 EXACT = 1e-12  # m, m/s: the node computes what the solver computes
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']

@@ -26,6 +26,7 @@ PURE = [
 ]
 PURE += [f'commands.{name}' for name in ('fit', 'info', 'main', 'plot', 'process', 'solve')]
 PURE += [f'commands.{name}' for name in ('study', 'values')]
+PURE += [f'node.{name}' for name in ('parameters', 'settings', 'topics')]
 PURE += [f'viewer.{name}' for name in ('colour_map', 'geometry', 'history', 'motions')]
 PURE += [f'viewer.{name}' for name in ('newest', 'table', 'wire')]
 SCRIPTS = ('muscle_state_publisher', 'muscle_viewer', 'linkedplane', 'linkedplane_demo')
