@@ -1,6 +1,6 @@
 """Both deltoids, each in a namespace of its own, `left` and `right`, on one torso."""
 
-from launch.actions import DeclareLaunchArgument, GroupAction, IncludeLaunchDescription
+from launch.actions import GroupAction, IncludeLaunchDescription
 from launch.conditions import IfCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
@@ -8,14 +8,19 @@ from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchDescription
+from linkedplane_ros.node.launch_arguments import (
+    USE_SIM_TIME,
+    declare_arguments,
+    parameter_argument,
+)
 
 ARGUMENTS = (
-    ('joint_convention', 'flexion_abduction_rotation', 'What the angles mean (README).'),
+    parameter_argument('joint_convention'),
     ('left_joint_states', 'joint_states', 'The topic of the left arm, in its namespace.'),
     ('right_joint_states', 'joint_states', 'The topic of the right arm, in its namespace.'),
     ('left_joint_names', "['']", "The left arm's three joints; by default the convention's."),
     ('right_joint_names', "['']", "The right arm's three joints; by default the convention's."),
-    ('use_sim_time', 'false', 'Take the time from /clock, as of a recording played with --clock.'),
+    USE_SIM_TIME,
     ('parent_frame', 'torso', 'What the scapulae hang on: x forward, y left, z up (REP 103).'),
     ('left_y', '0.17', 'The left glenohumeral centre in the parent frame, m to the left.'),
     ('right_y', '-0.17', 'The right glenohumeral centre in the parent frame, m to the left.'),
@@ -28,14 +33,13 @@ def generate_launch_description() -> LaunchDescription:
     """Return what to start."""
     value = {name: LaunchConfiguration(name) for name, _, _ in ARGUMENTS}
     share = FindPackageShare('linkedplane_ros')
-    source = PythonLaunchDescriptionSource(
-        PathJoinSubstitution([share, 'launch', 'deltoid.launch.py'])
-    )
+    deltoid = PathJoinSubstitution([share, 'launch', 'deltoid.launch.py'])
     shoulders = [
         GroupAction(
             [
                 IncludeLaunchDescription(
-                    source,
+                    # one for each side: it keeps what it has read, and nothing starts twice
+                    PythonLaunchDescriptionSource(deltoid),
                     launch_arguments={
                         'side': side,
                         'namespace': side,
@@ -56,10 +60,7 @@ def generate_launch_description() -> LaunchDescription:
     ]
     return LaunchDescription(
         [
-            *(
-                DeclareLaunchArgument(name, default_value=default, description=meaning)
-                for name, default, meaning in ARGUMENTS
-            ),
+            *declare_arguments(ARGUMENTS),
             *shoulders,
             Node(
                 package='rviz2',

@@ -1,23 +1,25 @@
 """The deltoid from joint states; optionally with a recording, RViz and a place for the scapula."""
 
-from launch.actions import DeclareLaunchArgument, ExecuteProcess
-from launch.conditions import IfCondition, LaunchConfigurationNotEquals
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.actions import ExecuteProcess
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration, NotEqualsSubstitution, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchDescription
+from linkedplane_ros.node.launch_arguments import (
+    USE_SIM_TIME,
+    declare_arguments,
+    parameter_argument,
+)
 
+PARAMETERS = ('muscle', 'side', 'joint_convention', 'joint_names', 'frame_id')
 PLACE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')
 ARGUMENTS = (
-    ('muscle', 'deltoid', 'A bundled model or the path of a model file (.yaml); or [a list].'),
-    ('side', 'right', "The shoulder's side: right or left."),
+    *map(parameter_argument, PARAMETERS),
+    USE_SIM_TIME,
     ('namespace', '', 'The namespace of the node, its topics and the recording played.'),
     ('joint_states', 'joint_states', 'The topic of the joint states.'),
-    ('joint_convention', 'flexion_abduction_rotation', 'What the angles mean (README).'),
-    ('joint_names', "['']", "The three joints in the convention's order; by default its own."),
-    ('frame_id', 'scapula', 'The frame of the outputs.'),
-    ('use_sim_time', 'false', 'Take the time from /clock, as of a recording played with --clock.'),
     ('bag', '', 'A recording to play, looped; empty: none.'),
     ('rviz', 'false', 'Show the muscle in RViz.'),
     ('parent_frame', '', 'A frame to hang the scapula frame on; empty: none.'),
@@ -28,22 +30,16 @@ ARGUMENTS = (
 def generate_launch_description() -> LaunchDescription:
     """Return what to start."""
     value = {name: LaunchConfiguration(name) for name, _, _ in ARGUMENTS}
-    parameters = (
-        'muscle', 'side', 'joint_convention', 'joint_names', 'frame_id', 'use_sim_time',
-    )  # fmt: skip
     share = FindPackageShare('linkedplane_ros')
     return LaunchDescription(
         [
-            *(
-                DeclareLaunchArgument(name, default_value=default, description=meaning)
-                for name, default, meaning in ARGUMENTS
-            ),
+            *declare_arguments(ARGUMENTS),
             Node(
                 package='linkedplane_ros',
                 executable='muscle_state_publisher',
                 namespace=value['namespace'],
                 remappings=[('joint_states', value['joint_states'])],
-                parameters=[{name: value[name] for name in parameters}],
+                parameters=[{name: value[name] for name in (*PARAMETERS, 'use_sim_time')}],
                 output='screen',
             ),
             ExecuteProcess(
@@ -51,7 +47,7 @@ def generate_launch_description() -> LaunchDescription:
                     'ros2', 'bag', 'play', '--loop', value['bag'],
                     '--remap', ['/joint_states:=', value['namespace'], '/joint_states'],
                 ],
-                condition=LaunchConfigurationNotEquals('bag', ''),
+                condition=IfCondition(NotEqualsSubstitution(value['bag'], '')),
                 output='screen',
             ),
             Node(
@@ -63,7 +59,7 @@ def generate_launch_description() -> LaunchDescription:
                     '--frame-id', value['parent_frame'],
                     '--child-frame-id', value['frame_id'],
                 ],
-                condition=LaunchConfigurationNotEquals('parent_frame', ''),
+                condition=IfCondition(NotEqualsSubstitution(value['parent_frame'], '')),
             ),
             Node(
                 package='rviz2',

@@ -36,6 +36,11 @@ class ParameterSpec:
     several: bool = False
     """Whether a text may also be given as a list of texts."""
 
+    @property
+    def default_text(self) -> str:
+        """The default as YAML, as it is given on a command line."""
+        return str(yaml.safe_dump(self.default, default_flow_style=True)).split('\n')[0]
+
     def check(self, value: Any) -> Value:
         """Return a value as the parameter's type.
 
@@ -165,8 +170,9 @@ def parameter_rows() -> list[tuple[str, str, str]]:
     for spec in SPECS:
         limits = f' {spec.low:g} to {spec.high:g}.' if spec.low is not None else ''
         choices = f' One of {", ".join(f"`{c}`" for c in spec.choices)}.' if spec.choices else ''
-        default = yaml.safe_dump(spec.default, default_flow_style=True).split('\n')[0]
-        rows.append((f'`{spec.name}`', f'`{default}`', f'{spec.meaning}{limits}{choices}'))
+        rows.append(
+            (f'`{spec.name}`', f'`{spec.default_text}`', f'{spec.meaning}{limits}{choices}')
+        )
     return rows
 
 

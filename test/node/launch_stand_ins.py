@@ -42,20 +42,17 @@ class FindPackageShare:
         assert package == 'linkedplane_ros'
 
 
+class NotEqualsSubstitution:
+    def __init__(self, left: Any, right: Any) -> None:
+        self.left, self.right = left, right
+
+
 class IfCondition:
     def __init__(self, predicate_expression: Any) -> None:
         self.expression = predicate_expression
 
     def holds(self, values: Values) -> bool:
         return {'true': True, 'false': False}[text(self.expression, values)]
-
-
-class LaunchConfigurationNotEquals:
-    def __init__(self, launch_configuration_name: str, expected_value: str) -> None:
-        self.name, self.value = launch_configuration_name, expected_value
-
-    def holds(self, values: Values) -> bool:
-        return values[self.name] != self.value
 
 
 class DeclareLaunchArgument:
@@ -66,6 +63,7 @@ class DeclareLaunchArgument:
 class ExecuteProcess:
     def __init__(self, *, cmd: Sequence[Any], condition: Any = None, output: str = 'log') -> None:
         self.cmd, self.condition = cmd, condition
+        self.started = False
 
 
 class Node:
@@ -84,11 +82,20 @@ class Node:
         self.package, self.executable, self.namespace = package, executable, namespace
         self.parameters, self.remappings, self.arguments = parameters, remappings, arguments
         self.condition = condition
+        self.started = False
 
 
 class PythonLaunchDescriptionSource:
+    """Reads the file once, as the real one does."""
+
     def __init__(self, launch_file_path: Any) -> None:
         self.path = launch_file_path
+        self.description: LaunchDescription | None = None
+
+    def describe(self, values: Values) -> LaunchDescription:
+        if self.description is None:
+            self.description = describe(Path(text(self.path, values)))
+        return self.description
 
 
 class IncludeLaunchDescription:
@@ -111,16 +118,18 @@ PLACES: dict[str, tuple[type, ...]] = {
     'launch.actions': (
         DeclareLaunchArgument, ExecuteProcess, GroupAction, IncludeLaunchDescription,
     ),
-    'launch.conditions': (IfCondition, LaunchConfigurationNotEquals),
+    'launch.conditions': (IfCondition,),
     'launch.launch_description_sources': (PythonLaunchDescriptionSource,),
-    'launch.substitutions': (LaunchConfiguration, PathJoinSubstitution),
+    'launch.substitutions': (
+        LaunchConfiguration, NotEqualsSubstitution, PathJoinSubstitution,
+    ),
     'launch_ros': (),
     'launch_ros.actions': (Node,),
     'launch_ros.substitutions': (FindPackageShare,),
 }  # fmt: skip
 
 
-def described(path: Path) -> LaunchDescription:
+def describe(path: Path) -> LaunchDescription:
     """Return the description of a launch file, built with the stand-ins."""
     before = {name: sys.modules.get(name) for name in PLACES}
     try:
@@ -151,38 +160,42 @@ def text(value: Any, values: Values) -> str:
         return values[value.name]
     if isinstance(value, FindPackageShare):
         return str(TOP)
+    if isinstance(value, NotEqualsSubstitution):
+        return str(text(value.left, values) != text(value.right, values)).lower()
     if isinstance(value, PathJoinSubstitution):
         return '/'.join(text(part, values) for part in value.parts)
     assert isinstance(value, list), value
     return ''.join(text(part, values) for part in value)
 
 
-def started(path: Path, **arguments: str) -> list[Node | ExecuteProcess]:
+def list_started(path: Path, **arguments: str) -> list[Node | ExecuteProcess]:
     """Return what a launch file starts with these arguments, every substitution carried out."""
-    return started_with(described(path).entities, Values(arguments))
+    return list_started_with(describe(path).entities, Values(arguments))
 
 
-def started_with(entities: Sequence[Any], values: Values) -> list[Node | ExecuteProcess]:
+def list_started_with(entities: Sequence[Any], values: Values) -> list[Node | ExecuteProcess]:
     """Return what these entities start, in order; `values` keeps what was read of it."""
     found: list[Node | ExecuteProcess] = []
     for entity in entities:
         if isinstance(entity, DeclareLaunchArgument):
             values.setdefault(entity.name, entity.default)
         elif isinstance(entity, GroupAction):
-            found += started_with(entity.actions, Values(values, values.read))
+            found += list_started_with(entity.actions, Values(values, values.read))
         elif isinstance(entity, IncludeLaunchDescription):
             values.update((name, text(value, values)) for name, value in entity.arguments)
-            inner = described(Path(text(entity.source.path, values)))
+            inner = entity.source.describe(values)
             names = {e.name for e in inner.entities if isinstance(e, DeclareLaunchArgument)}
             unknown = {name for name, _ in entity.arguments} - names
             assert not unknown, f'{unknown} not declared in what is included'
-            found += started_with(inner.entities, values)
+            found += list_started_with(inner.entities, values)
         elif entity.condition is None or entity.condition.holds(values):
-            found.append(carried_out(entity, values))
+            assert not entity.started, 'one action is started twice'
+            entity.started = True
+            found.append(substitute(entity, values))
     return found
 
 
-def carried_out(action: Node | ExecuteProcess, values: Values) -> Node | ExecuteProcess:
+def substitute(action: Node | ExecuteProcess, values: Values) -> Node | ExecuteProcess:
     """Return an action with plain text for every substitution."""
     if isinstance(action, ExecuteProcess):
         return ExecuteProcess(cmd=[text(word, values) for word in action.cmd])

@@ -11,9 +11,9 @@ from launch_stand_ins import (
     ExecuteProcess,
     Node,
     Values,
-    described,
-    started,
-    started_with,
+    describe,
+    list_started,
+    list_started_with,
 )
 
 from linkedplane_ros.node.parameters import SPECS
@@ -28,7 +28,7 @@ DEFAULTS = {spec.name: spec.default for spec in SPECS}
 
 def nodes(path: Path, executable: str, **arguments: str) -> list[Node]:
     """Return the nodes of an executable that a launch file starts."""
-    found = [action for action in started(path, **arguments) if isinstance(action, Node)]
+    found = [action for action in list_started(path, **arguments) if isinstance(action, Node)]
     return [node for node in found if node.executable == executable]
 
 
@@ -43,16 +43,16 @@ def settings(node: Node) -> Settings:
 
 @pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
 def test_every_argument_is_described_and_used_and_every_one_used_is_declared(path: Path) -> None:
-    entities = described(path).entities
+    entities = describe(path).entities
     declared = [each for each in entities if isinstance(each, DeclareLaunchArgument)]
     assert all(argument.description.endswith('.') for argument in declared)
     values = Values({'bag': 'walk', 'parent_frame': 'torso', 'rviz': 'true'})
-    assert started_with(entities, values)  # a KeyError for one that is not declared
+    assert list_started_with(entities, values)  # a KeyError for one that is not declared
     assert values.read >= {argument.name for argument in declared}
 
 
 def test_by_default_the_node_alone_is_started_with_its_defaults() -> None:
-    [node] = started(DELTOID)
+    [node] = list_started(DELTOID)
     assert isinstance(node, Node)
     assert (node.package, node.executable, node.namespace) == (
         'linkedplane_ros', 'muscle_state_publisher', '',
@@ -87,7 +87,7 @@ def test_the_arguments_reach_the_parameters() -> None:
     ('namespace', 'topic'), [('', '/joint_states'), ('left', 'left/joint_states')]
 )
 def test_a_recording_is_played_into_the_nodes_namespace(namespace: str, topic: str) -> None:
-    _, player = started(DELTOID, bag='walk', namespace=namespace)
+    _, player = list_started(DELTOID, bag='walk', namespace=namespace)
     assert isinstance(player, ExecuteProcess)
     assert player.cmd == [
         'ros2', 'bag', 'play', '--loop', 'walk', '--remap', f'/joint_states:={topic}',
