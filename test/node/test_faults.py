@@ -1,4 +1,4 @@
-"""What goes wrong: odd messages, signals, peers that die and come back, or do not fit."""
+"""What goes wrong: odd messages, signals, publishers that die and come back."""
 
 from __future__ import annotations
 
@@ -19,9 +19,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from ros_harness import NodeProcess, Peer, together
+from ros_harness import NodeProcess, Peer
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from visualization_msgs.msg import MarkerArray
@@ -72,7 +70,9 @@ MESSAGES = st.tuples(
 )
 
 
-def kin(drawn: tuple[list[str], list[float], list[float], int], count: int) -> Iterator[JointState]:
+def similar_messages(
+    drawn: tuple[list[str], list[float], list[float], int], count: int
+) -> Iterator[JointState]:
     """Yield a drawn message and so many like it: mostly of fitting sizes, each changed a little."""
     names, positions, velocities, seed = drawn
     start = seed * 10**9  # ns
@@ -116,7 +116,7 @@ def test_a_hundred_thousand_odd_messages_are_answered_or_counted(ros: None) -> N
     )
     @given(MESSAGES)
     def feed(drawn: Any) -> None:
-        for message in kin(drawn, EACH):
+        for message in similar_messages(drawn, EACH):
             sent['all'] += 1
             node._answer(message)
 
@@ -135,7 +135,7 @@ def test_a_hundred_thousand_odd_messages_are_answered_or_counted(ros: None) -> N
         'sizes', 'no_joint', 'not_finite', 'degrees'))) > 1000  # fmt: skip
 
 
-def began(process: NodeProcess) -> None:
+def wait_for_start(process: NodeProcess) -> None:
     """Wait until the node's own code runs: Python has taken SIGINT, and the node has let it go."""
     status = Path(f'/proc/{process.process.pid}/status')
     if not status.exists():
@@ -158,7 +158,7 @@ def test_a_signal_at_any_moment_ends_the_node_without_a_traceback(
     tmp_path: Path, how: signal.Signals, moment: float
 ) -> None:
     process = NodeProcess(tmp_path / 'node.log')
-    began(process)
+    wait_for_start(process)
     time.sleep(moment)
     assert process.stop(how) in (0, -how), process.text
     assert 'Traceback' not in process.text
@@ -215,131 +215,3 @@ def test_of_two_publishers_the_newest_message_counts(node: MuscleStatePublisher,
     for pose, lengths in zip(poses, peer.got['band_lengths'], strict=True):
         want = solver.solve(convention.rotation(pose)).lengths
         assert np.abs(np.array(lengths.data) - want).max() < 1e-12
-
-
-# Several nodes
-
-
-def test_several_nodes_share_a_process_and_an_executor(peer: Peer) -> None:
-    left = MuscleStatePublisher(
-        namespace='left', parameter_overrides=[Parameter('side', value='left')]
-    )
-    right = MuscleStatePublisher()
-    bystander = Node('bystander')
-    ticks = []
-    bystander.create_timer(0.01, lambda: ticks.append(1))
-    reader = Peer('left/deltoid', topic='left/joint_states')
-    reader.executor_of_its_own = peer.executor_of_its_own
-    with together(peer, left, right, bystander, reader):
-        peer.connect()
-        reader.connect()
-        for k in range(10):
-            peer.send(NAMES, POSE)
-            reader.send(NAMES, POSE)
-            assert peer.answers(k + 1)
-            assert reader.answers(k + 1)
-        assert peer.until(lambda: len(ticks) > 5)
-    mirrored = [np.array(p.got['moment_vectors'][-1].data).reshape(-1, 3) for p in (peer, reader)]
-    np.testing.assert_allclose(mirrored[0] * (1, -1, -1), mirrored[1], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(
-        peer.got['moment_arms'][-1].data, reader.got['moment_arms'][-1].data, rtol=0, atol=1e-12
-    )
-    for made in (left, right, bystander, reader):
-        made.destroy_node()
-
-
-def test_a_second_node_in_one_process_follows_the_first(peer: Peer) -> None:
-    for k in range(2):
-        made = MuscleStatePublisher()
-        with together(peer, made):
-            peer.diagnostics.clear()
-            peer.connect()
-            peer.send(NAMES, POSE)
-            assert peer.answers(k + 1)
-        made.destroy_node()
-
-
-# Peers that do not fit
-
-
-def reliable_only() -> MuscleStatePublisher:
-    """Return a node that takes reliable publishers alone."""
-    override = Parameter('qos_overrides./joint_states.subscription.reliability', value='reliable')
-    return MuscleStatePublisher(parameter_overrides=[override])
-
-
-def test_a_publisher_that_does_not_fit_is_named_with_the_override_that_cures_it(
-    peer: Peer, capfd: pytest.CaptureFixture[str]
-) -> None:
-    made, lab = reliable_only(), Node('lab')
-    lab.create_publisher(JointState, 'joint_states', qos_profile_sensor_data)
-    line = (
-        'nothing comes from lab: on /joint_states it offers less than is asked for; start this '
-        'node with -p qos_overrides./joint_states.subscription.reliability:=best_effort'
-    )
-    with together(peer, made):
-        assert peer.until(lambda: any(line in a.status[0].message for a in peer.diagnostics))
-        assert peer.values()['peers that do not fit'] == '1'
-        count = len(peer.diagnostics)
-        assert peer.until(lambda: len(peer.diagnostics) > count + 1)
-        lab.destroy_node()
-        assert peer.until(lambda: peer.values()['peers that do not fit'] == '0')
-    made.destroy_node()
-    assert capfd.readouterr().err.count(line) == 1
-
-
-def test_a_subscriber_that_does_not_fit_is_named_with_the_override_that_cures_it(
-    peer: Peer, node: MuscleStatePublisher
-) -> None:
-    viewer = Node('viewer')
-    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    viewer.create_subscription(MarkerArray, 'deltoid/markers', lambda _: None, latched)
-    assert peer.until(lambda: peer.values()['peers that do not fit'] == '1')
-    [line] = node._muscles[0].tally.misfits
-    assert line == (
-        'viewer receives nothing: on /deltoid/markers it asks for more than is offered; start '
-        'this node with -p qos_overrides./deltoid/markers.publisher.durability:=transient_local'
-    )
-    viewer.destroy_node()
-
-
-def test_the_cure_for_a_latched_subscriber_is_one(peer: Peer) -> None:
-    name = 'qos_overrides./deltoid/markers.publisher.durability'
-    made = MuscleStatePublisher(parameter_overrides=[Parameter(name, value='transient_local')])
-    got: list[MarkerArray] = []
-    with together(peer, made):
-        peer.connect()
-        peer.send(NAMES, POSE)
-        assert peer.until(lambda: bool(peer.got['markers']))
-        latched = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        peer.create_subscription(MarkerArray, 'deltoid/markers', got.append, latched)
-        assert peer.until(lambda: bool(got))
-    made.destroy_node()
-
-
-@pytest.mark.parametrize(
-    ('override', 'value', 'right'),
-    [
-        ('/joint_states.subscription.reliability', 'fast', 'reliable or best_effort'),
-        ('/joint_states.subscription.depth', -3, '1 or more expected'),
-        ('/joint_states.subscription.depth', 'deep', 'expecting type .*INTEGER'),
-        ('/deltoid/markers.publisher.durability', 'eternal', 'volatile or transient_local'),
-    ],
-)
-def test_a_wrong_override_of_a_quality_of_service_is_one_line(
-    ros: None, override: str, value: Any, right: str
-) -> None:
-    parameter = Parameter(f'qos_overrides.{override}', value=value)
-    with pytest.raises(ValueError, match=right) as caught:
-        MuscleStatePublisher(parameter_overrides=[parameter])
-    assert '\n' not in str(caught.value)
-
-
-def test_an_override_of_one_output_leaves_the_others_alone(ros: None) -> None:
-    name = 'qos_overrides./deltoid/band_lengths.publisher.depth'
-    made = MuscleStatePublisher(parameter_overrides=[Parameter(name, value=7)])
-    depths = {output: end.qos_profile.depth for output, end in made._muscles[0].topics.items()}
-    made.destroy_node()
-    assert depths.pop('band_lengths') == 7
-    assert depths.pop('markers') == 10
-    assert set(depths.values()) == {2000}

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
+from parameter_changes import change_parameters
 from rclpy.parameter import Parameter
 from ros_harness import ANSWERS, PATIENCE, NodeProcess, Peer, together
 from visualization_msgs.msg import Marker
@@ -59,13 +60,6 @@ def reader_of(muscle: str, peer: Peer) -> Iterator[Peer]:
     yield made
     peer.executor_of_its_own.remove_node(made)
     made.destroy_node()
-
-
-def change(node: MuscleStatePublisher, **values: Any) -> Any:
-    """Set a batch of parameters at once."""
-    return node.set_parameters_atomically(
-        [Parameter(name, value=value) for name, value in values.items()]
-    )
 
 
 def check_newest(reader: Peer, muscle: BroadMuscle, side: str = 'right', pose: Any = POSE) -> None:
@@ -178,15 +172,17 @@ def test_a_muscle_left_out_at_the_start_hinders_no_change_and_comes_in_when_it_c
 ) -> None:
     path = tmp_path / 'late.yaml'
     with running(['deltoid', str(path)], peer) as node, reader_of('late', peer) as late:
-        assert change(node, side='left').successful
+        assert change_parameters(node, side='left').successful
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
         check_newest(peer, DELTOID, 'left')
-        refused = change(node, muscle=['deltoid', str(path)])  # who asks for it anew wants it
+        refused = change_parameters(
+            node, muscle=['deltoid', str(path)]
+        )  # who asks for it anew wants it
         assert not refused.successful
         assert str(path) in refused.reason
         replace(DELTOID, name='late').to_yaml(path)
-        assert change(node, side='right').successful
+        assert change_parameters(node, side='right').successful
         late.connect()
         peer.send(NAMES, POSE, SPEEDS)
         assert late.answers(1)
@@ -233,7 +229,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
     with running('deltoid', peer) as node:
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
-        assert change(node, muscle=BOTH).successful
+        assert change_parameters(node, muscle=BOTH).successful
         assert peer.until(lambda: published(node) == set(BOTH))
         other.connect()
         peer.send(NAMES, POSE, SPEEDS)
@@ -244,7 +240,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
         counts = {name: v['messages answered'] for name, (_, v) in statuses(peer).items()}
         assert counts == {'deltoid': '2', 'example_shared_sphere': '1'}
         shown = len(peer.got['markers'])
-        assert change(node, muscle='deltoid').successful
+        assert change_parameters(node, muscle='deltoid').successful
         assert peer.until(lambda: published(node) == {'deltoid'})
         assert peer.until(lambda: other.got['markers'][-1].markers[0].action == Marker.DELETEALL)
         peer.send(NAMES, POSE, SPEEDS, nanoseconds=10**9)
@@ -259,7 +255,7 @@ def test_a_list_with_one_bad_muscle_is_refused_and_the_old_ones_work_on(
 ) -> None:
     with running(BOTH, peer, other) as node:
         for bad in (['deltoid', 'biceps'], [str(tmp_path / 'absent.yaml'), 'deltoid'], []):
-            result = change(node, side='left', muscle=bad)
+            result = change_parameters(node, side='left', muscle=bad)
             assert not result.successful
             assert '\n' not in result.reason
             assert node.get_parameter('muscle').value == BOTH
@@ -273,7 +269,7 @@ def test_a_list_with_one_bad_muscle_is_refused_and_the_old_ones_work_on(
 def test_of_muscles_that_are_refused_no_topic_is_left(peer: Peer) -> None:
     wrong = 'qos_overrides./example_humerus_spheres/markers.publisher.durability'
     with running('deltoid', peer, **{wrong: 'eternal'}) as node:
-        result = change(node, muscle=[*BOTH, 'example_humerus_spheres'])
+        result = change_parameters(node, muscle=[*BOTH, 'example_humerus_spheres'])
         assert not result.successful
         assert 'volatile or transient_local' in result.reason
         assert peer.until(lambda: published(node) == {'deltoid'})
