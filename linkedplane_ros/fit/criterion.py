@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..joints.conventions import JOINT_CONVENTIONS
-from ..linked_planes.chain import BAND_VECTORS, FIRST_BAND
+from ..linked_planes.layout import band_count
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Floats
 from .data import Data
@@ -210,7 +210,7 @@ def posed(
     Gaps are positive to the side to which the fan runs. For a muscle that has no path at a pose,
     how deep its ends lie in their spheres, m.
     """
-    m, n = len(rotations), (len(muscle) // 3 - FIRST_BAND) // BAND_VECTORS
+    m, n = len(rotations), band_count(muscle)
     lengths, moments = np.empty((measured, n)), np.empty((measured, 3 * n))
     wrap = np.empty((m, n), dtype=np.uint8)
     depths, insides, edges = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))

@@ -1,8 +1,8 @@
 """The muscle at the poses of a criterion, compiled: no Python objects between poses.
 
-A muscle comes as the flat sequence of the solver's kernels (`linked_planes`), but with its numbers
-as a file has them: the reference normal of any length, phi and 0 for the cosine and sine of phi.
-Every number of a model then stands in it as it is, and the sequence is linear in all of them.
+A muscle comes in the flat layout (linked_planes/layout.py), but with its numbers as a file has
+them: the reference normal of any length, phi and 0 for the cosine and sine of phi. Every number of
+a model then stands in it as it is, and the sequence is linear in all of them.
 """
 
 from __future__ import annotations
@@ -12,31 +12,28 @@ from math import cos, inf, sin
 from typing import Any
 
 from ..linked_planes.band import PIERCED
-from ..linked_planes.chain import (
-    BAND_VECTORS,
-    FIRST_BAND,
+from ..linked_planes.chain import Band, Section, bands_at, plane_at, state_at
+from ..linked_planes.compiled import compiled, entry, fingerprint
+from ..linked_planes.layout import (
+    COS_PHI,
     GROUND,
     HUMERUS,
     NORMAL,
-    Band,
+    SIN_PHI,
     Muscle,
-    Section,
     band_count,
+    band_numbers,
+    band_place,
     band_vectors,
-    bands_at,
-    plane_at,
-    sphere_frame,
-    state_at,
     vector,
 )
-from ..linked_planes.compiled import compiled, entry, fingerprint
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
 from ..linked_planes.path import deepest, halfway, path_of
 from ..linked_planes.vectors import ZERO, cross, dot, minus, norm, times
 from ..solver.kernels import rows_of
 
-ANGLE = 10  # where phi stands among the numbers of a band
+PHI = COS_PHI  # where phi stands among the numbers of a band
 
 
 @entry
@@ -57,11 +54,11 @@ def prepare(muscle: Muscle) -> None:
     """Make a flat muscle, in place, what the solver's kernels take."""
     size = norm(vector(muscle, NORMAL))
     for axis in range(3):
-        muscle[3 * NORMAL + axis] /= size
+        muscle[NORMAL + axis] /= size
     for i in range(band_count(muscle)):
-        k = 3 * (FIRST_BAND + BAND_VECTORS * i) + ANGLE
-        phi = muscle[k]
-        muscle[k], muscle[k + 1] = cos(phi), sin(phi)
+        k = band_place(i)
+        phi = muscle[k + PHI]
+        muscle[k + COS_PHI], muscle[k + SIN_PHI] = cos(phi), sin(phi)
 
 
 @compiled
@@ -70,10 +67,10 @@ def end_inside(muscle: Muscle, i: int) -> float:
 
     At least: infinite for a radius that is not positive.
     """
-    P, S, centre, (R, _, _) = band_vectors(muscle, i)
+    P, S, centre = band_vectors(muscle, i)
+    R, _, _, frame = band_numbers(muscle, i)
     if R <= 0.0:
         return inf
-    frame = sphere_frame(muscle, i)
     if frame == GROUND:
         return R - norm(minus(centre, P))
     if frame == HUMERUS:

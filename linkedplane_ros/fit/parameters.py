@@ -16,25 +16,48 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from ..linked_planes.chain import BAND_VECTORS, FIRST_BAND
-from ..muscle.definition import METRES, RADIANS, Curve, Definition, Listed, Polynomial
-from ..solver.linked_plane_solver import CODES
+from ..linked_planes.layout import (
+    BAND_SIZE,
+    CENTRE,
+    FIRST_BAND,
+    GROUND_POINT,
+    HUMERAL_POINT,
+    INSERTION,
+    NORMAL,
+    ORIGIN,
+    RADIUS,
+    muscle_size,
+    pack_muscle,
+)
+from ..muscle.definition import (
+    METRES,
+    RADIANS,
+    Curve,
+    Definition,
+    Listed,
+    Polynomial,
+    frames_of,
+)
 from ..types import Floats
-from .kernel import ANGLE, combined
+from .kernel import PHI, combined
 
 THESIS = ('sphere.centre', 'sphere.radius', 'plane_angle', 'humeral_point')
 """What the thesis fitted: 25 coefficients and the distance of HM (ch. 5)."""
 DISTANCE = 'humeral_point'
 """The distance of HM from the joint's centre, along its own direction."""
 
-# Where the curves' values stand among the numbers of a band, and the points before the bands.
+# Where the curves' values stand in the flat layout of a band, and the points in that of a muscle.
 SLOTS = {
-    'origin.x': 0, 'origin.y': 1, 'origin.z': 2, 'insertion.x': 3, 'insertion.y': 4,
-    'insertion.z': 5, 'sphere.centre.x': 6, 'sphere.centre.y': 7, 'sphere.centre.z': 8,
-    'sphere.radius': 9, 'plane_angle': ANGLE,
+    'origin.x': ORIGIN, 'origin.y': ORIGIN + 1, 'origin.z': ORIGIN + 2,
+    'insertion.x': INSERTION, 'insertion.y': INSERTION + 1, 'insertion.z': INSERTION + 2,
+    'sphere.centre.x': CENTRE, 'sphere.centre.y': CENTRE + 1, 'sphere.centre.z': CENTRE + 2,
+    'sphere.radius': RADIUS, 'plane_angle': PHI,
 }  # fmt: skip
-FRAME = 12
-POINTS = {'reference_normal': 0, 'sphere.ground_point': 3, 'sphere.humeral_point': 6}
+POINTS = {
+    'reference_normal': NORMAL,
+    'sphere.ground_point': GROUND_POINT,
+    'sphere.humeral_point': HUMERAL_POINT,
+}
 SMALLEST = 1e-3  # m: no radius is sought below
 
 
@@ -245,8 +268,8 @@ class _Builder:
         """Add a parameter of a curve; at a band it counts `effect` times at the most."""
         angle = key == 'plane_angle'
         size, unit = self._unit(angle)
-        column = np.zeros(3 * (FIRST_BAND + BAND_VECTORS * self.n))
-        column[3 * FIRST_BAND + SLOTS[key] :: 3 * BAND_VECTORS] = size * at_bands
+        column = np.zeros(muscle_size(self.n))
+        column[FIRST_BAND + SLOTS[key] :: BAND_SIZE] = size * at_bands
         whole = float(np.abs(self.definition.values[key]).max()) / effect
         reach = self.reach[angle] / size / effect
         least = SMALLEST / size if key == 'sphere.radius' and effect == 1.0 else -np.inf
@@ -257,7 +280,7 @@ class _Builder:
         """Add a coordinate of N (which has no unit) or of SC."""
         is_point = key != 'reference_normal'
         size, unit = self._unit(False) if is_point else (1.0, '1')
-        column = np.zeros(3 * (FIRST_BAND + BAND_VECTORS * self.n))
+        column = np.zeros(muscle_size(self.n))
         column[POINTS[key] + axis] = size
         start = self.numbers[place]
         reach = self.reach[0] / size if is_point else 0.5
@@ -271,7 +294,7 @@ class _Builder:
         if not start > 0.0:
             raise ValueError(f'free: {DISTANCE}: HM lies in the joint centre, without a direction')
         size, unit = self._unit(False)
-        column = np.zeros(3 * (FIRST_BAND + BAND_VECTORS * self.n))
+        column = np.zeros(muscle_size(self.n))
         k = POINTS['sphere.humeral_point']
         column[k : k + 3] = size * point / start
         rows = {f'sphere.humeral_point[{axis}]': v for axis, v in enumerate(point / start)}
@@ -328,20 +351,28 @@ def nodes(s: Floats, k: int) -> Floats:
 
 def flat_numbers(definition: Definition) -> Floats:
     """Return a definition as `kernel.evaluate` takes it: m and rad."""
-    n = len(definition.band_names)
-    bands = np.zeros((n, 3 * BAND_VECTORS))
-    for key, slot in SLOTS.items():
-        unit = RADIANS[definition.angle] if key == 'plane_angle' else METRES[definition.length]
-        bands[:, slot] = unit * definition.values[key]
-    frames = definition.sphere_frame
-    each = (frames,) * n if isinstance(frames, str) else frames
-    bands[:, FRAME] = [CODES[frame] for frame in each]
-    points = np.zeros((FIRST_BAND, 3))
-    points[0] = definition.reference_normal
-    for k, point in enumerate((definition.ground_point, definition.humeral_point), 1):
-        if point is not None:
-            points[k] = METRES[definition.length] * np.array(point)
-    return np.concatenate((points.ravel(), bands.ravel()))
+    metres, values = METRES[definition.length], definition.values
+    origins, insertions, centres = (
+        metres * np.column_stack([values[f'{key}.{axis}'] for axis in 'xyz'])
+        for key in ('origin', 'insertion', 'sphere.centre')
+    )
+    ground_point, humeral_point = (
+        None if point is None else metres * np.array(point)
+        for point in (definition.ground_point, definition.humeral_point)
+    )
+    phi = RADIANS[definition.angle] * values['plane_angle']
+    return pack_muscle(
+        definition.reference_normal,
+        ground_point,
+        humeral_point,
+        origins,
+        insertions,
+        centres,
+        metres * values['sphere.radius'],
+        phi,
+        np.zeros_like(phi),
+        frames_of(definition.sphere_frame, len(phi)),
+    )
 
 
 def place_names(definition: Definition) -> dict[str, list[str]]:

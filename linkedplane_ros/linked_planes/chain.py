@@ -9,45 +9,19 @@ from typing import NamedTuple
 
 from .band import CLEAR, MISSED, PIERCED, WRAPPED, length_by_plane, obstacle_kind, wrap, wrap_state
 from .compiled import compiled
+from .layout import (
+    GROUND_POINT,
+    HUMERAL_POINT,
+    HUMERUS,
+    MOVING,
+    NORMAL,
+    Muscle,
+    band_count,
+    band_numbers,
+    band_vectors,
+    vector,
+)
 from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, times, turned
-
-# A muscle, as the kernels read it, is one flat sequence of vectors in m and rad: the reference
-# normal N, SC and HM; then five for each band: its origin P, its insertion S (humerus frame), its
-# sphere's centre, (sphere's radius, cos(phi), sin(phi)) and (what the sphere moves with, 0, 0).
-NORMAL, GROUND_POINT, HUMERAL_POINT, FIRST_BAND = range(4)
-BAND_VECTORS = 5
-MOVING, GROUND, HUMERUS = range(3)  # its band's moving frame, the ground, the humerus
-Muscle = list[float]
-
-
-@compiled
-def vector(muscle: Muscle, i: int) -> Vector:
-    """Return the i-th vector of a flat sequence."""
-    return (muscle[3 * i], muscle[3 * i + 1], muscle[3 * i + 2])
-
-
-@compiled
-def band_vectors(muscle: Muscle, i: int) -> tuple[Vector, Vector, Vector, Vector]:
-    """Return a band's origin, insertion, sphere's centre and (radius, cos(phi), sin(phi))."""
-    k = 3 * (FIRST_BAND + BAND_VECTORS * i)
-    return (
-        (muscle[k], muscle[k + 1], muscle[k + 2]),
-        (muscle[k + 3], muscle[k + 4], muscle[k + 5]),
-        (muscle[k + 6], muscle[k + 7], muscle[k + 8]),
-        (muscle[k + 9], muscle[k + 10], muscle[k + 11]),
-    )
-
-
-@compiled
-def sphere_frame(muscle: Muscle, i: int) -> int:
-    """Return what a band's sphere moves with: MOVING, GROUND or HUMERUS."""
-    return int(muscle[3 * (FIRST_BAND + BAND_VECTORS * i + 4)])
-
-
-@compiled
-def band_count(muscle: Muscle) -> int:
-    """Return the number of bands of a muscle."""
-    return (len(muscle) // 3 - FIRST_BAND) // BAND_VECTORS
 
 
 class Section(NamedTuple):
@@ -118,15 +92,15 @@ def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Ba
     B = ZERO
     bands = []
     for i in range(band_count(muscle)):
-        P, S, centre, (R, cos_phi, sin_phi) = band_vectors(muscle, i)
+        P, S, centre = band_vectors(muscle, i)
+        R, cos_phi, sin_phi, frame = band_numbers(muscle, i)
         S = turned(rotation, S)
         line = minus(S, P)
         D = norm(line)
         if D < 1e-9:
             break
         u = times(1.0 / D, line)
-        frame, lever, skew = sphere_frame(muscle, i), 0.0, 0.0
-        x, y, z = ZERO, ZERO, ZERO
+        x, y, z, lever, skew = ZERO, ZERO, ZERO, 0.0, 0.0
         if frame == MOVING:
             x, y, z, lever, skew = moving_frame(P, HM, SC)
             if lever == 0.0:

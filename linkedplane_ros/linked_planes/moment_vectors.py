@@ -8,8 +8,9 @@ the pose, dtheta/domega = -(d2E/dtheta domega) / (d2E/dtheta2). A prime is d/dth
 from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
-from .chain import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Band, Muscle, plane_at, state_at, vector
+from .chain import Band, plane_at, state_at
 from .compiled import compiled
+from .layout import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Muscle, vector
 from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, plus, times, turned
 
 

@@ -49,7 +49,7 @@ class PathModel:
 
     @property
     def row(self) -> tuple[float, ...]:
-        """The model as its kernel reads it: vectors, then threes of numbers."""
+        """The model as its kernel reads it."""
         return (*self.origin, *self.insertion, *self._obstacle())
 
     def _obstacle(self) -> tuple[float, ...]:

@@ -15,14 +15,13 @@ from math import atan2, cos, pi, sin, sqrt
 from typing import Literal, NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
-from ..linked_planes.chain import vector
 from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
 from .bands import kernel_of
-from .cylinder import AT_SURFACE, RoundAnAxis, Tube, inside, tube_at, way_round
+from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, tube_at, way_round
 from .path import (
     NO_ARC,
-    REST,
+    OBSTACLE,
     ZERO,
     Arc,
     Path,
@@ -234,9 +233,10 @@ def round_stub(stub: Tube, P: Vector, S: Vector, side: float) -> Path:
 
 @compiled
 def capped_cylinder(row: Row, rotation: Rotation) -> Path:
-    """Return the path of a band of P, S, a cylinder that ends in C, and (side, 0, 0)."""
+    """Return the path of a band of P, S, a cylinder that ends in C, and the side."""
     P, S = ends(row, rotation)
-    return round_stub(tube_at(row, REST, rotation), P, S, vector(row, REST + 3)[0])
+    stub = tube_at(row, OBSTACLE, rotation)
+    return round_stub(stub, P, S, row[OBSTACLE + CYLINDER_SIZE])
 
 
 @dataclass(frozen=True)
@@ -260,4 +260,4 @@ class CappedCylinder(RoundAnAxis):
             raise ValueError(f'turn: {self.turn!r} given, one of {", ".join(TURNS)} expected')
 
     def _obstacle(self) -> tuple[float, ...]:
-        return (*super()._obstacle(), TURNS[self.turn], 0.0, 0.0)
+        return (*super()._obstacle(), TURNS[self.turn])

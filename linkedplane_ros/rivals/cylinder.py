@@ -15,8 +15,8 @@ from math import atan2, sqrt
 from typing import NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..linked_planes.chain import vector
 from ..linked_planes.compiled import compiled
+from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
 from .bands import (
     Bone,
@@ -31,7 +31,7 @@ from .bands import (
 )
 from .path import (
     NO_ARC,
-    REST,
+    OBSTACLE,
     ZERO,
     Arc,
     Path,
@@ -44,6 +44,7 @@ from .path import (
     straight_path,
 )
 
+CYLINDER_SIZE = 8  # of its numbers in a row
 AT_SURFACE = 1e-12  # of the radius: an end so little below the surface lies on it
 
 
@@ -71,10 +72,10 @@ class Way(NamedTuple):
 
 @compiled
 def tube_at(row: Row, place: int, rotation: Rotation) -> Tube:
-    """Return a cylinder: at a place of a band's row, C, w and (radius, on the humerus, 0)."""
-    R, on_humerus, _ = vector(row, place + 2)
+    """Return a cylinder: at a place of a band's row, C, w, radius, on the humerus."""
+    R, on_humerus = row[place + 6], row[place + 7]
     C = placed(rotation, on_humerus, vector(row, place))
-    w = placed(rotation, on_humerus, vector(row, place + 1))
+    w = placed(rotation, on_humerus, vector(row, place + 3))
     return Tube(C, w, R, on_humerus)
 
 
@@ -135,7 +136,7 @@ def way_round(P: Vector, S: Vector, tube: Tube) -> Way:
 def cylinder(row: Row, rotation: Rotation) -> Path:
     """Return the path of a band of P, S and a cylinder."""
     P, S = ends(row, rotation)
-    tube = tube_at(row, REST, rotation)
+    tube = tube_at(row, OBSTACLE, rotation)
     if inside(P, tube) or inside(S, tube):
         return straight_path(P, S, INSIDE)
     way = way_round(P, S, tube)
@@ -175,7 +176,7 @@ def check_cylinder(prefix: str, centre: Vector, axis: Vector, radius: float, bon
 
 def cylinder_numbers(centre: Vector, axis: Vector, radius: float, bone: Bone) -> tuple[float, ...]:
     """Return a cylinder as `tube_at` reads it."""
-    return (*centre, *unit(axis), radius, on_humerus(bone), 0.0)
+    return (*centre, *unit(axis), radius, on_humerus(bone))
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Vector, dot, minus, mix, norm
 from .bands import Bone, kernel_of
 from .cylinder import (
+    CYLINDER_SIZE,
     RoundAnAxis,
     Tube,
     Way,
@@ -26,7 +27,7 @@ from .cylinder import (
     tube_at,
     way_round,
 )
-from .path import REST, ZERO, Path, Rotation, Row, ends, moment_of, straight_path
+from .path import OBSTACLE, ZERO, Path, Rotation, Row, ends, moment_of, straight_path
 
 ROUNDS = 100
 SETTLING = 40  # rounds after which a cylinder that is not touched is dropped for good
@@ -70,7 +71,8 @@ def ways_round(P: Vector, S: Vector, tube: Tube, tube2: Tube) -> tuple[Way, Way,
 def double_cylinder(row: Row, rotation: Rotation) -> Path:
     """Return the path of a band of P, S and two cylinders."""
     P, S = ends(row, rotation)
-    tube, tube2 = tube_at(row, REST, rotation), tube_at(row, REST + 3, rotation)
+    tube = tube_at(row, OBSTACLE, rotation)
+    tube2 = tube_at(row, OBSTACLE + CYLINDER_SIZE, rotation)
     if inside(P, tube) or inside(S, tube2):
         return straight_path(P, S, INSIDE)
     one, two, settled = ways_round(P, S, tube, tube2)

@@ -1,8 +1,7 @@
 """A band's path as straight parts and arcs, and the kernels that work out many (m, scapula frame).
 
 A band is a flat row of numbers: its origin P (scapula frame), its insertion S (humerus frame), then
-what its method needs, all in threes. A kernel makes a Path of it and a humerus -> scapula
-rotation.
+its obstacle, as its method reads it. A kernel makes a Path of it and a humerus -> scapula rotation.
 """
 
 from __future__ import annotations
@@ -11,8 +10,8 @@ from collections.abc import Callable
 from math import cos, sin
 from typing import Any, NamedTuple
 
-from ..linked_planes.chain import vector
 from ..linked_planes.compiled import compiled, entry
+from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Vector, blend, cross, dot, minus, norm, plus, times, turned
 from ..solver.kernels import SOLVED, rotation_fault, rows_of
 
@@ -20,7 +19,7 @@ Row = list[float]
 Rotation = tuple[Vector, Vector, Vector]  # by rows
 Three = tuple[int, int, int]
 
-ORIGIN, INSERTION, REST = range(3)  # places of vectors in a row
+ROW_ORIGIN, ROW_INSERTION, OBSTACLE = 0, 3, 6  # where numbers start in a row
 ZERO = (0.0, 0.0, 0.0)
 ARC_NUMBERS = 11  # of an Arc
 
@@ -55,7 +54,7 @@ class Path(NamedTuple):
 @compiled
 def ends(row: Row, rotation: Rotation) -> tuple[Vector, Vector]:
     """Return a band's origin and insertion, scapula frame."""
-    return vector(row, ORIGIN), turned(rotation, vector(row, INSERTION))
+    return vector(row, ROW_ORIGIN), turned(rotation, vector(row, ROW_INSERTION))
 
 
 @compiled

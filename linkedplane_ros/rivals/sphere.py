@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from math import sqrt
 
 from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
-from ..linked_planes.chain import vector
 from ..linked_planes.compiled import compiled
+from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, times
 from .bands import Bone, PathModel, check_bone, check_point, check_radius, kernel_of, on_humerus
 from .path import (
     NO_ARC,
-    REST,
+    OBSTACLE,
     ZERO,
     Arc,
     Path,
@@ -56,10 +56,10 @@ def round_sphere(P: Vector, S: Vector, C: Vector, R: float, on_humerus: float) -
 
 @compiled
 def sphere(row: Row, rotation: Rotation) -> Path:
-    """Return the path of a band of P, S, C and (radius, on the humerus, 0)."""
+    """Return the path of a band of P, S, C, radius, on the humerus."""
     P, S = ends(row, rotation)
-    R, on_humerus, _ = vector(row, REST + 1)
-    return round_sphere(P, S, placed(rotation, on_humerus, vector(row, REST)), R, on_humerus)
+    R, on_humerus = row[OBSTACLE + 3], row[OBSTACLE + 4]
+    return round_sphere(P, S, placed(rotation, on_humerus, vector(row, OBSTACLE)), R, on_humerus)
 
 
 @dataclass(frozen=True)
@@ -80,4 +80,4 @@ class Sphere(PathModel):
         check_bone('bone', self.bone)
 
     def _obstacle(self) -> tuple[float, ...]:
-        return (*self.centre, self.radius, on_humerus(self.bone), 0.0)
+        return (*self.centre, self.radius, on_humerus(self.bone))

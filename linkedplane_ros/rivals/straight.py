@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..linked_planes.band import CLEAR, WRAPPED
-from ..linked_planes.chain import vector
 from ..linked_planes.compiled import compiled
+from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Vector, cross, minus, norm, times, turned
 from .bands import PathModel, check_point, kernel_of
-from .path import NO_ARC, REST, ZERO, Arc, Path, Rotation, Row, ends, straight_path, write_arc
+from .path import NO_ARC, OBSTACLE, ZERO, Arc, Path, Rotation, Row, ends, straight_path, write_arc
 
 
 @compiled
@@ -23,19 +23,19 @@ def straight(row: Row, rotation: Rotation) -> Path:
 @compiled
 def via_point(row: Row, rotation: Rotation, i: int) -> Vector:
     """Return the i-th via point, scapula frame: those of the scapula come first."""
-    point = vector(row, REST + 1 + i)
-    return point if i < row[3 * REST] else turned(rotation, point)
+    point = vector(row, OBSTACLE + 2 + 3 * i)
+    return point if i < row[OBSTACLE] else turned(rotation, point)
 
 
 @compiled
 def via_count(row: Row) -> int:
     """Return how many via points a band has."""
-    return int(row[3 * REST] + row[3 * REST + 1])
+    return int(row[OBSTACLE] + row[OBSTACLE + 1])
 
 
 @compiled
 def via_points(row: Row, rotation: Rotation) -> Path:
-    """Return the path of a band of P, S, (points on the scapula, on the humerus, 0), the points.
+    """Return the path of a band of P, S, how many points on the scapula and on the humerus, them.
 
     Only the straight part from the last scapular to the first humeral point turns the joint.
     """
@@ -48,7 +48,7 @@ def via_points(row: Row, rotation: Rotation) -> Path:
         line = minus(end, start)
         D = norm(line)
         length += D
-        if i == row[3 * REST]:
+        if i == row[OBSTACLE]:
             moment = times(-1.0 / max(D, 1e-300), cross(end, line))
         start = end
     return Path(length, WRAPPED if count else CLEAR, 0, moment, NO_ARC, NO_ARC)
@@ -101,4 +101,4 @@ class ViaPoints(PathModel):
 
     def _obstacle(self) -> tuple[float, ...]:
         points = [x for point in (*self.on_scapula, *self.on_humerus) for x in point]
-        return (float(len(self.on_scapula)), float(len(self.on_humerus)), 0.0, *points)
+        return (float(len(self.on_scapula)), float(len(self.on_humerus)), *points)

@@ -8,8 +8,9 @@ from typing import Any
 
 from ..joints.conventions import turn_in_sequence
 from ..linked_planes.band import WRAPPED, wrap
-from ..linked_planes.chain import Muscle, band_count, band_vectors, bands_at, plane_at
+from ..linked_planes.chain import bands_at, plane_at
 from ..linked_planes.compiled import compiled, entry, fingerprint
+from ..linked_planes.layout import Muscle, band_count, band_vectors
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
 from ..linked_planes.vectors import Vector, cross, dot, mix, norm, plus, times

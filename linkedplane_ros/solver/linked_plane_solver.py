@@ -21,8 +21,8 @@ import numpy.typing as npt
 
 from ..joints.conventions import SIDES, JointConvention
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..linked_planes.chain import GROUND, HUMERUS, MOVING
 from ..linked_planes.compiled import COMPILED
+from ..linked_planes.layout import pack_muscle
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Floats, Triple
 from .kernels import (
@@ -42,7 +42,6 @@ TURN_MIRROR = -MIRROR  # rotations and moments keep x and change y and z
 PARALLEL_FROM = 512  # poses: below this, threads cost more than they give
 BLOCK = 1000  # poses that are lists at a time, uncompiled
 
-CODES = {'moving': MOVING, 'ground': GROUND, 'humerus': HUMERUS}
 FAULTS = {
     NOT_FINITE: 'a value is not finite; finite numbers expected',
     NOT_ORTHONORMAL: f'R^T R is not the identity within {ORTHONORMAL:g}; a rotation expected',
@@ -310,22 +309,19 @@ def available_cores() -> int:
 
 def flat(muscle: BroadMuscle) -> Any:
     """Return the muscle as the kernels read it: an array compiled, a list, quicker, if not."""
-    phi = muscle.plane_angles
-    frames = np.zeros((len(phi), 3))
-    frames[:, 0] = [CODES[frame] for frame in muscle.sphere_frames]
-    bands = (
+    numbers = pack_muscle(
+        muscle.reference_normal,
+        muscle.ground_point,
+        muscle.humeral_point,
         muscle.origins,
         muscle.insertions,
         muscle.sphere_centres,
-        np.column_stack((muscle.sphere_radii, np.cos(phi), np.sin(phi))),
-        frames,
+        muscle.sphere_radii,
+        np.cos(muscle.plane_angles),
+        np.sin(muscle.plane_angles),
+        muscle.sphere_frames,
     )
-    points = [
-        np.zeros(3) if point is None else point
-        for point in (muscle.reference_normal, muscle.ground_point, muscle.humeral_point)
-    ]
-    vectors = np.concatenate((points, np.stack(bands, axis=1).reshape(-1, 3)))
-    return vectors.ravel() if COMPILED else vectors.ravel().tolist()
+    return numbers if COMPILED else numbers.tolist()
 
 
 def one_rotation(rotation: npt.ArrayLike) -> Floats:
