@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 
+from ..errors import LinkedPlaneError
 from ..muscle.broad_muscle import BroadMuscle
 from ..processing.topics import ANSWERS
 from ..recordings.bags import Recording
@@ -114,13 +115,13 @@ def nanoseconds(message: JointState) -> int:
 
 def sample_folder() -> Path:
     """Return the installed folder of sample messages, or that of the source tree."""
-    here = Path(__file__).resolve().parent.parent / 'msg_examples'
+    here = Path(__file__).resolve().parents[2] / 'msg_examples'
     prefixes = [sys.prefix, *os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)]
     installed = [Path(p) / 'share' / 'linkedplane_ros' / 'msg_examples' for p in prefixes if p]
     for folder in [here, *installed]:
         if (folder / 'arm_raise').is_dir():
             return folder
-    raise ValueError(f'the sample recording arm_raise is not in {here} nor installed')
+    raise LinkedPlaneError(f'the sample recording arm_raise is not in {here} nor installed')
 
 
 def main() -> int:

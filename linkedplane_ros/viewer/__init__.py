@@ -1,5 +1,6 @@
 """The muscle in a browser: the node muscle_viewer. It shows what is published and solves nothing.
 
-The way of the data: messages (wire) -> newest state -> geometry -> scene, panel and plots of the
-`viser` library, at the screen's rate; and from sliders and buttons back (motions) to joint states.
+The way of the data: topics (`node`) -> newest state (`newest`) -> markers, geometry and scene
+(`scene`), and plots and table beside it (`panels`), drawn with the library viser once a frame
+(`app`); from sliders and buttons (`panels`) back to joint states (`node`).
 """

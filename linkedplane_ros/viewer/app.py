@@ -10,18 +10,17 @@ from typing import Any
 import viser
 
 from ..types import Floats
-from . import scene
-from .camera import Cameras, view
-from .geometry import Markers, apply, drawables
-from .look import Look, theme
 from .newest import Facts, Values
 from .node import ViewerNode
-from .panel import MusclePanel
-from .plots import Plots
-from .saving import Saving
-from .scene import MuscleScene
-from .table import table
-from .wire import markers
+from .panels.muscle import MusclePanel
+from .panels.plots import Plots
+from .panels.saving import Saving
+from .panels.table import table
+from .scene.camera import Cameras, view
+from .scene.geometry import Markers, apply, drawables
+from .scene.look import Look, theme
+from .scene.muscle import MuscleScene, prepare
+from .scene.wire import markers
 
 IDLE = 0.03  # s between frames in which nothing has come
 WAITING = 'Waiting for a muscle: `ros2 run linkedplane_ros muscle_state_publisher`'
@@ -52,7 +51,7 @@ class Viewer:
     def _build(self, muscles: dict[str, Facts]) -> None:
         """Make the panels anew: a muscle has come, or has become another."""
         if self._cameras is None:
-            scene.prepare(self._server)
+            prepare(self._server)
             self._cameras = Cameras(self._server)
         self._facts = muscles
         self._panels = {}

@@ -21,8 +21,8 @@ from ros_harness import NodeProcess, Peer, together
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, MuscleState
 from linkedplane_ros.drawing.bones import shaft_axis
 from linkedplane_ros.drawing.colours import HEAD_COLOURS
-from linkedplane_ros.viewer import colour_map
-from linkedplane_ros.viewer.motions import poses
+from linkedplane_ros.viewer.panels.motions import poses
+from linkedplane_ros.viewer.scene import colour_map
 
 MISSING = next(
     (f'{what} is not installed: {cure}' for what, there, cure in (

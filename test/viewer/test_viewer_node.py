@@ -17,12 +17,12 @@ from ros_harness import Peer, together
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.viewer.geometry import Lines, drawables
-from linkedplane_ros.viewer.geometry import apply as apply_markers
 from linkedplane_ros.viewer.main import PORT, arguments, free_port, main, where
 from linkedplane_ros.viewer.newest import Facts, Values
 from linkedplane_ros.viewer.node import ViewerNode, muscles_among
-from linkedplane_ros.viewer.wire import markers
+from linkedplane_ros.viewer.scene.geometry import Lines, drawables
+from linkedplane_ros.viewer.scene.geometry import apply as apply_markers
+from linkedplane_ros.viewer.scene.wire import markers
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 SOLVER = LinkedPlaneSolver(BroadMuscle.load('deltoid'))

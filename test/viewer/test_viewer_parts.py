@@ -20,12 +20,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.colours import head_colours
 from linkedplane_ros.node.markers import MuscleMarkers
-from linkedplane_ros.viewer import colour_map, motions, wire
-from linkedplane_ros.viewer.camera import view
-from linkedplane_ros.viewer.geometry import Bodies, Lines, Markers, Sheets, apply, drawables
-from linkedplane_ros.viewer.history import Curve, Recent, side_by_side, widened
 from linkedplane_ros.viewer.newest import Facts, Newest, Values
-from linkedplane_ros.viewer.table import table
+from linkedplane_ros.viewer.panels import motions
+from linkedplane_ros.viewer.panels.history import Curve, Recent, side_by_side, widened
+from linkedplane_ros.viewer.panels.table import table
+from linkedplane_ros.viewer.scene import colour_map, wire
+from linkedplane_ros.viewer.scene.camera import view
+from linkedplane_ros.viewer.scene.geometry import Bodies, Lines, Markers, Sheets, apply, drawables
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)

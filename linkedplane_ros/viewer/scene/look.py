@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from ..drawing.colours import HEAD_COLOURS
-from ..types import Floats
+from ...drawing.colours import HEAD_COLOURS
+from ...types import Floats
+from ..newest import Facts, Values
 from .colour_map import colours, legend, round_up
-from .newest import Facts, Values
 
 HEAD, LENGTH, ARM = 'head', 'length change', 'moment arm'
 MILLIMETRES = 1e3

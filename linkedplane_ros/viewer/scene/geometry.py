@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..types import Bytes, Floats
+from ...types import Bytes, Floats
 from .wire import (
     CYLINDER,
     DELETE,

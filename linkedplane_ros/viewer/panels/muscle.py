@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import viser
 
-from ..types import Floats
+from ...types import Floats
+from ..newest import Facts, Values
 from .motions import Arm, poses, ranges
-from .newest import Facts, Values
 
 SETTLED = 0.15  # s without a move after which the arm is at rest
 HEARTBEAT = 1.0  # s between joint states at rest: a node that comes back learns the pose from them

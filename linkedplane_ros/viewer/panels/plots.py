@@ -10,10 +10,10 @@ import numpy as np
 import viser
 from viser import uplot
 
-from ..drawing.colours import HEAD_COLOURS
-from ..types import Floats, Interval
+from ...drawing.colours import HEAD_COLOURS
+from ...types import Floats, Interval
+from ..newest import Facts, Values
 from .history import Curve, Recent, side_by_side, widened
-from .newest import Facts, Values
 
 SPAN = 20.0  # s shown
 RATE = 60  # rows a second at most

@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from ..types import Bytes, Floats
+from ...types import Bytes, Floats
 
 # lightness and the two axes of colour: dark and light grounds set off all of the way, and a screen
 # shows it

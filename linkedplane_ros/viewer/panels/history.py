@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ..types import Floats, Interval
+from ...types import Floats, Interval
 
 
 class Recent:

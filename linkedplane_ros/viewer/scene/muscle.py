@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 import viser
 
-from ..types import Bytes
+from ...types import Bytes
 from .camera import UNIT
 from .geometry import Bodies, Drawable, Lines, Sheets
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..types import Floats
+from ...types import Floats
 
 ENCAPSULATION = 4  # bytes before the message; alignment counts from behind them
 # visualization_msgs/Marker

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..types import Floats
+from ...types import Floats
 
 if TYPE_CHECKING:
     import viser

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..joints.conventions import JointConvention, turn
-from ..types import Floats, Intervals
+from ...joints.conventions import JointConvention, turn
+from ...types import Floats, Intervals
 
 UNHURRIED = 1.2  # rad/s: the mean speed of a glide
 SHORTEST = 0.5  # s

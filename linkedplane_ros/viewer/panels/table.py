@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .newest import Facts, Values
+from ..newest import Facts, Values
 
 STATES = ('wrapped', 'clear', 'missed', 'inside')  # WrapState, 0 to 3
 CELL = 'style="padding:0 0.4em;text-align:right"'

@@ -1,0 +1,1 @@
+"""What is beside the scene: controls that move an arm, plots, a table, and buttons that save."""

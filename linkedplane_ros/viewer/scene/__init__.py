@@ -1,0 +1,1 @@
+"""What is drawn: markers from the wire, their geometry, and the scene that shows them."""
