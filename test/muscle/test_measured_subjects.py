@@ -37,7 +37,7 @@ def subject(tmp_path: Path) -> Write:
     return write
 
 
-def place(name: str) -> np.ndarray:
+def landmark_in_cm(name: str) -> np.ndarray:
     """Return a landmark of the deltoid in cm."""
     return 100.0 * np.array(next(each.at for each in DELTOID.landmarks if each.name == name))
 
@@ -57,8 +57,8 @@ def test_points_measured_on_a_scaled_model_give_its_factors(subject: Write) -> N
 
 
 def test_distances_give_a_factor_for_each_bone(subject: Write) -> None:
-    spine = float(np.linalg.norm(place('acromion') - place('spinal_end')))
-    arm = float(np.linalg.norm(place('tuberosity')))
+    spine = float(np.linalg.norm(landmark_in_cm('acromion') - landmark_in_cm('spinal_end')))
+    arm = float(np.linalg.norm(landmark_in_cm('tuberosity')))
     measured = subject(
         distances=[
             {'from': 'acromion', 'to': 'spinal_end', 'length': 1.1 * spine},
@@ -72,7 +72,7 @@ def test_distances_give_a_factor_for_each_bone(subject: Write) -> None:
 
 
 def test_a_bone_that_was_not_measured_takes_the_others_factor(subject: Write) -> None:
-    arm = float(np.linalg.norm(place('tuberosity')))
+    arm = float(np.linalg.norm(landmark_in_cm('tuberosity')))
     measured = [{'from': 'joint_centre', 'to': 'tuberosity', 'length': 1.2 * arm}]
     found = DELTOID.scaled(subject(distances=measured))
     np.testing.assert_allclose(found.origins, 1.2 * DELTOID.origins, rtol=1e-12)
@@ -80,7 +80,7 @@ def test_a_bone_that_was_not_measured_takes_the_others_factor(subject: Write) ->
 
 def test_the_factors_are_those_of_least_squares(subject: Write) -> None:
     names = ('acromion', 'clavicular_end', 'spinal_end', 'sternoclavicular_joint')
-    mine = np.array([place(name) for name in names])
+    mine = np.array([landmark_in_cm(name) for name in names])
     theirs = mine * FACTORS + np.random.default_rng(3).normal(0.0, 0.3, mine.shape)
     found = DELTOID.scaled(subject(points=dict(zip(names, theirs.tolist(), strict=True))))
     best = (found.origins / DELTOID.origins)[0]

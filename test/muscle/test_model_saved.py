@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -11,17 +10,17 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_muscles import of_bands, random_muscle
 from reference import Array
+from varied_muscles import MUSCLES, every_variation
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ModelError
 from linkedplane_ros.muscle.broad_muscle import bundled_models
-from linkedplane_ros.muscle.definition import Definition, Head, Landmark, Listed, Polynomial, Span
+from linkedplane_ros.muscle.definition import Head, Landmark, Polynomial, Span
 
 DELTOID = BroadMuscle.load('deltoid')
 
 
-def again(muscle: BroadMuscle, folder: Path) -> BroadMuscle:
+def save_and_load(muscle: BroadMuscle, folder: Path) -> BroadMuscle:
     """Return a muscle saved and loaded."""
     path = folder / 'saved.yaml'
     muscle.to_yaml(path)
@@ -40,45 +39,10 @@ def assert_same_to_the_bit(one: BroadMuscle, other: BroadMuscle) -> None:
     assert one.definition == other.definition
 
 
-def every_variation() -> Definition:
-    """Return a model with all that a file may state: lists, a common number, frames, landmarks."""
-    return replace(
-        DELTOID.definition,
-        length='cm',
-        angle='deg',
-        s=tuple(np.linspace(0.1, 0.85, 9).tolist()),
-        insertion=tuple(Listed(tuple(column)) for column in (100 * DELTOID.insertions.T).tolist()),
-        sphere_frame=('moving', 'ground', 'humerus') * 3,
-        sphere_centre=(Polynomial((9.0,)), Polynomial((1.0 / 3.0, -0.1)), Listed((0.1,) * 9)),
-        sphere_radius=Polynomial((2.5,)),
-        plane_angle=Listed((7.0, *[11.3] * 8)),
-        landmarks=(Landmark('acromion', 'scapula', (1.0, -1.3, 3.3)),),
-        range_of_motion=((0.0, 80.0), (-1e-7, 90.0), (-1e22, 1e22)),
-        heads=(Head('no', DELTOID.band_names[:4], 'middle_1'),
-               Head('42', DELTOID.band_names[4:], 'posterior_3')),
-    )  # fmt: skip
-
-
-MUSCLES: dict[str, Callable[[], BroadMuscle]] = {
-    **{name: lambda name=name: BroadMuscle.load(name) for name in bundled_models()},
-    'from arrays': lambda: random_muscle(3)[0],
-    'of 40 bands': lambda: of_bands(40),
-    'every variation': lambda: BroadMuscle.of(every_variation()),
-    'lists for tuples': lambda: replace(DELTOID, sphere_frame=['humerus', 'ground', 'moving'] * 3),
-    'spheres on the ground': lambda: replace(DELTOID, sphere_frame='ground'),
-    'no interference': lambda: replace(
-        DELTOID,
-        interference_centres=np.empty((0, 3)),
-        interference_radii=np.empty(0),
-        interference_names=(),
-    ),
-}
-
-
 @pytest.mark.parametrize('case', MUSCLES)
 def test_a_saved_muscle_is_loaded_to_the_bit(case: str, tmp_path: Path) -> None:
     muscle = MUSCLES[case]()
-    assert_same_to_the_bit(muscle, again(muscle, tmp_path))
+    assert_same_to_the_bit(muscle, save_and_load(muscle, tmp_path))
 
 
 finite = st.floats(-1e3, 1e3, allow_subnormal=True)
@@ -102,7 +66,7 @@ def test_any_numbers_are_saved_to_the_bit(
         sphere_radii=np.abs(values[:, 5]) + 1e-3,
         plane_angles=np.full(n, angle),
     )
-    assert_same_to_the_bit(muscle, again(muscle, tmp_path_factory.mktemp('saved')))
+    assert_same_to_the_bit(muscle, save_and_load(muscle, tmp_path_factory.mktemp('saved')))
 
 
 def test_polynomials_and_units_are_written_as_they_were(tmp_path: Path) -> None:
@@ -234,7 +198,7 @@ def test_a_muscle_is_made_of_what_it_takes_and_no_more(tmp_path: Path) -> None:
         landmarks=(Landmark('tip', 'scapula', np.array((0.0, 0.0, 0.1))),),
     )
     assert muscle.reference_normal.tolist() == [1.0, 0.0, 0.0]
-    assert_same_to_the_bit(muscle, again(muscle, tmp_path))
+    assert_same_to_the_bit(muscle, save_and_load(muscle, tmp_path))
     assert LinkedPlaneSolver(muscle).solve(np.eye(3)).lengths.shape == (1,)
 
 

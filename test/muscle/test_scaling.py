@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from random_muscles import framed
-from test_model_saved import every_variation
+from varied_muscles import every_variation
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, ModelError
 from linkedplane_ros.muscle.definition import Listed, Polynomial

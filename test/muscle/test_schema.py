@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 import yaml
-from test_model import REQUIRED, WRONG, Content, spoilt
-from test_model_saved import MUSCLES
+from spoilt_models import REQUIRED, WRONG, Content, spoil
+from varied_muscles import MUSCLES
 
 import linkedplane_ros
 from linkedplane_ros.muscle.broad_muscle import bundled_models
@@ -30,13 +30,6 @@ BEYOND = (
     'a radius > 0 expected', 'zero', 'the lowest, then',
 )  # fmt: skip
 TOLD = [case for case in WRONG if not any(each in case[2] for each in BEYOND)]
-
-
-@pytest.fixture
-def content() -> Content:
-    """The bundled model file, to be spoilt."""
-    loaded: Content = yaml.safe_load(bundled_models()['deltoid'])
-    return loaded
 
 
 def faults(model: Any) -> list[str]:
@@ -63,28 +56,28 @@ def test_what_is_written_is_valid(case: str) -> None:
 
 @pytest.mark.parametrize('key', REQUIRED)
 def test_a_missing_key_is_refused(key: str, content: Content) -> None:
-    assert faults(spoilt(content, key, ...))
+    assert faults(spoil(content, key, ...))
 
 
 @pytest.mark.parametrize(('key', 'value', 'reason'), TOLD)
 def test_what_the_reader_refuses_is_refused(
     key: str, value: Any, reason: str, content: Content
 ) -> None:
-    assert faults(spoilt(content, key, value)), reason
+    assert faults(spoil(content, key, value)), reason
 
 
 @pytest.mark.parametrize('frame', ['ground', ['humerus'] * 9])
 def test_points_of_a_moving_frame_are_refused_where_there_is_none(
     frame: Any, content: Content
 ) -> None:
-    spoilt(content, 'sphere.frame', frame)
+    spoil(content, 'sphere.frame', frame)
     assert faults(content)
     for key in ('sphere.ground_point', 'sphere.humeral_point'):
         assert faults(content)
-        spoilt(content, key, ...)
+        spoil(content, key, ...)
     assert faults(content) == []
     mixed = ['humerus', 'moving'] * 4 + ['ground']
-    assert faults(spoilt(content, 'sphere.frame', mixed))  # a moving one needs them
+    assert faults(spoil(content, 'sphere.frame', mixed))  # a moving one needs them
 
 
 def keys_in(schema: Any, path: str = '') -> dict[str, tuple[set[str], set[str]]]:
