@@ -86,7 +86,7 @@ class Breadth:
 def compare(
     muscle: BroadMuscle, ways: int = WAYS, seed: int = 0, step: float = STEP
 ) -> list[Breadth]:
-    """Return every method over the thesis's motions, single coordinates, and random ways.
+    """Return every method over the thesis's motions, single coordinates, and random motions.
 
     Deterministic; a step is at most `step` rad. ValueError for a muscle of a single band.
     """
@@ -95,7 +95,7 @@ def compare(
     motions: Mapping[str, Sequence[Floats]] = {
         "the thesis's motions": thesis_motions(step),
         'each coordinate alone': single_axes(muscle, step),
-        f'{ways} random ways': random_ways(muscle, ways, seed, step),
+        f'{ways} random motions': random_ways(muscle, ways, seed, step),
     }
     return [
         measured(muscle, method, motion, sweeps)

@@ -1,4 +1,4 @@
-"""What the page of conventions says is so: its examples are run, its tables computed anew."""
+"""What the page of conventions says is so: its examples are run."""
 
 from __future__ import annotations
 
@@ -13,17 +13,6 @@ from linkedplane_ros import JOINT_CONVENTIONS
 
 TOP = Path(__file__).parents[2]
 PAGE = (TOP / 'doc' / 'explanation' / 'conventions.md').read_text()
-ELBOW, FOREARM = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
-
-
-def table(name: str) -> list[str]:
-    """Return the lines of a table of the page."""
-    return PAGE.partition(f'<!-- {name} -->\n')[2].partition('\n<!-- /')[0].splitlines()
-
-
-def direction(R: np.ndarray, vector: np.ndarray) -> str:
-    """Return a turned vector as the tables have it."""
-    return ', '.join(f'{value:.3f}' for value in np.round(R @ vector, 3) + 0.0)
 
 
 def test_every_example_prints_what_the_page_says() -> None:
@@ -41,37 +30,6 @@ def test_every_example_prints_what_the_page_says() -> None:
             names = test.globs
     assert not told, ''.join(told)
     assert runner.tries > 100
-
-
-def test_the_table_of_conventions_is_that_of_the_code() -> None:
-    lines = [
-        '| convention | coordinates | rotation | usually against |',
-        '| --- | --- | --- | --- |',
-    ]
-    for name, convention in JOINT_CONVENTIONS.items():
-        coordinates = ', '.join(convention.coordinates)
-        against = convention.relative_to
-        lines.append(f'| `{name}` | {coordinates} | {convention.formula} | {against} |')
-    assert table('conventions') == lines
-
-
-def test_each_angle_alone_takes_the_arm_where_the_table_says() -> None:
-    lines = ['| convention | +30 deg of | elbow | forearm |', '| --- | --- | --- | --- |']
-    for name, convention in JOINT_CONVENTIONS.items():
-        for j, coordinate in enumerate(convention.coordinates):
-            R = convention.rotation(np.radians(30.0) * np.eye(3)[j])
-            first = ' ' if j else f' `{name}` '
-            elbow, forearm = direction(R, ELBOW), direction(R, FOREARM)
-            lines.append(f'|{first}| {coordinate} | {elbow} | {forearm} |')
-    assert table('single angles') == lines
-
-
-def test_three_angles_at_once_take_the_arm_where_the_table_says() -> None:
-    lines = ['| convention | elbow | forearm |', '| --- | --- | --- |']
-    for name, convention in JOINT_CONVENTIONS.items():
-        R = convention.rotation(np.radians([30.0, 60.0, 20.0]))
-        lines.append(f'| `{name}` | {direction(R, ELBOW)} | {direction(R, FOREARM)} |')
-    assert table('three angles') == lines
 
 
 def test_all_conventions_are_at_zero_where_the_frames_coincide() -> None:

@@ -229,7 +229,7 @@ def rows() -> list[breadth.Breadth]:
 
 
 def test_every_method_is_looked_at_over_every_motion(rows: list[breadth.Breadth]) -> None:
-    motions = ("the thesis's motions", 'each coordinate alone', '2 random ways')
+    motions = ("the thesis's motions", 'each coordinate alone', '2 random motions')
     assert [(row.method, row.motion) for row in rows] == [
         (method, motion) for method in METHODS for motion in motions
     ]
@@ -246,7 +246,10 @@ def test_every_method_is_looked_at_over_every_motion(rows: list[breadth.Breadth]
 
 def test_the_same_comparison_says_the_same(rows: list[breadth.Breadth]) -> None:
     again = breadth.measured(
-        DELTOID, METHODS['double cylinder'], '2 random ways', random_ways(DELTOID, 2, step=COARSE)
+        DELTOID,
+        METHODS['double cylinder'],
+        '2 random motions',
+        random_ways(DELTOID, 2, step=COARSE),
     )
     assert again in rows
 

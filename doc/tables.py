@@ -1,0 +1,157 @@
+"""The tables of the pages that the code has already: parameters, topics, commands, conventions.
+
+    python doc/tables.py  write them anew into the README and the pages, and say into which
+
+A table stands between <!-- name --> and <!-- /name -->. The tests fail where one is out of date.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from linkedplane_ros import JOINT_CONVENTIONS
+from linkedplane_ros.commands.main import build_parser
+from linkedplane_ros.node import parameters, topics
+from linkedplane_ros.types import Floats
+
+TOP = Path(__file__).parents[1]
+PAGES = (TOP / 'README.md', *sorted((TOP / 'doc').rglob('*.md')))
+ELBOW, FOREARM = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [heads, ['---'] * len(heads), *rows]
+    return '\n'.join(f'| {" | ".join(line)} |'.replace('|  |', '| |') for line in lines)
+
+
+def joint_conventions() -> str:
+    """Return what each joint convention is, and what its streams usually measure against."""
+    return table(
+        ('convention', 'coordinates', 'rotation', 'usually against'),
+        (
+            (f'`{name}`', ', '.join(each.coordinates), each.formula, each.relative_to)
+            for name, each in JOINT_CONVENTIONS.items()
+        ),
+    )
+
+
+def direction(R: Floats, vector: Floats) -> str:
+    """Return a turned vector."""
+    return ', '.join(f'{value:.3f}' for value in np.round(R @ vector, 3) + 0.0)
+
+
+def single_angles() -> str:
+    """Return where 30 deg of each angle alone take the arm."""
+    rows = [
+        ('' if j else f'`{name}`', coordinate, direction(R, ELBOW), direction(R, FOREARM))
+        for name, convention in JOINT_CONVENTIONS.items()
+        for j, coordinate in enumerate(convention.coordinates)
+        for R in [convention.rotation(np.radians(30.0) * np.eye(3)[j])]
+    ]
+    return table(('convention', '+30 deg of', 'elbow', 'forearm'), rows)
+
+
+def three_angles() -> str:
+    """Return where 30, 60 and 20 deg at once take the arm."""
+    rows = [
+        (f'`{name}`', direction(R, ELBOW), direction(R, FOREARM))
+        for name, convention in JOINT_CONVENTIONS.items()
+        for R in [convention.rotation(np.radians([30.0, 60.0, 20.0]))]
+    ]
+    return table(('convention', 'elbow', 'forearm'), rows)
+
+
+TOPIC = ('topic', 'type', 'quality of service', 'content')
+
+
+def subscribed() -> str:
+    """Return what the node subscribes."""
+    return table(TOPIC, topics.topic_rows((topics.JOINT_STATES, topics.CLOCK)))
+
+
+def published() -> str:
+    """Return what the node publishes."""
+    rows = topics.topic_rows(topics.OUTPUTS, 'deltoid/')
+    return table(TOPIC, [*rows, *topics.topic_rows((topics.DIAGNOSTICS,))])
+
+
+def named(action: argparse.Action, formatter: argparse.HelpFormatter) -> str:
+    """Return an argument as one writes it."""
+    words = formatter._format_args(action, action.dest.upper()) if action.nargs != 0 else ''
+    return f'`{f"{action.option_strings[-1]} {words}".strip() if action.option_strings else words}`'
+
+
+def command(name: str, parser: argparse.ArgumentParser) -> Iterator[str]:
+    """Yield a command's part of the page: how it is written, and what each argument means."""
+    formatter = parser._get_formatter()
+    arguments = [action for action in parser._actions if action.dest != 'help']
+    usage = [
+        named(each, formatter).strip('`')
+        for each in arguments
+        if each.required or not each.option_strings
+    ]
+    yield f'## {name}'
+    yield parser.description or ''
+    yield f'```text\nlinkedplane {" ".join((name, *usage))} [options]\n```'
+    for group in parser._action_groups:
+        rows = [
+            (named(each, formatter).replace('|', '\\|'), formatter._expand_help(each))
+            for each in group._group_actions
+            if each in arguments
+        ]
+        if rows:
+            title = {'positional arguments': 'argument', 'options': 'option'}
+            yield table((title.get(group.title or '', group.title or ''), 'meaning'), rows)
+
+
+def commands() -> str:
+    """Return every command with its arguments."""
+    [choices] = [
+        action.choices
+        for action in build_parser()._actions
+        if isinstance(action, argparse._SubParsersAction)
+    ]
+    return '\n\n'.join(part for name, each in choices.items() for part in command(name, each))
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    'commands': commands,
+    'conventions': joint_conventions,
+    'parameters': parameters.markdown,
+    'published': published,
+    'single angles': single_angles,
+    'subscribed': subscribed,
+    'three angles': three_angles,
+}
+
+
+def renew(text: str) -> str:
+    """Return a page with its tables as they are now."""
+    for name in re.findall(r'^<!-- (\w[\w ]*) -->$', text, re.MULTILINE):
+        if name in TABLES:
+            head, _, rest = text.partition(f'<!-- {name} -->\n')
+            foot = f'<!-- /{name} -->'
+            text = f'{head}<!-- {name} -->\n{TABLES[name]()}\n{foot}{rest.partition(foot)[2]}'
+    return text
+
+
+def main() -> int:
+    """Write the tables."""
+    for page in PAGES:
+        before = page.read_text(encoding='utf-8')
+        after = renew(before)
+        if after != before:
+            page.write_text(after, encoding='utf-8')
+            print(page.relative_to(TOP))
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
