@@ -29,7 +29,7 @@ test: .venv/.rivals check docs workspace  ## run all checks and tests
 
 # Alone: the browser draws without a graphics card, and takes the machine for itself.
 browser: .venv/.made  ## test the viewer in Chromium; part of make test
-	$(BIN)/python -m pytest -m browser test/viewer/test_viewer.py
+	$(BIN)/python -m pytest -m browser test/viewer
 
 bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node beside a pass-through
 	@$(BIN)/python bench/bench.py
@@ -57,7 +57,7 @@ workspace: .venv/.made  ## build the package with colcon and test what it instal
 	rm -rf build/colcon
 	$(COLCON) build --paths . $(SPACES) --event-handlers console_direct- console_cohesion-
 	$(COLCON) test --paths . $(SPACES) --event-handlers console_direct+ \
-	  --pytest-args -m workspace test/packaging/test_packaging.py
+	  --pytest-args -m workspace test/packaging/test_workspace.py
 	$(COLCON) test-result --test-result-base build/colcon/build --verbose
 
 clean:  ## remove all that make has made

@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from unhurried import unhurried
 
 from linkedplane_ros.joints.joint_state import REASONS, JointMap, JointMemory, Rejected, listed
 
 NAMES = ('flexion', 'abduction', 'rotation')
 PLAIN = JointMap(NAMES, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
-# the machine may be busy: nothing here is about time
-unhurried = settings(deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.fixture

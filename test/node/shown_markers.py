@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point
-from hypothesis import HealthCheck, settings
 from rclpy.serialization import deserialize_message, serialize_message
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -22,8 +21,6 @@ POSES = [
     for angles in ((0.0, 0.0, 0.0), (0.0, 1.6, 0.0), (1.4, 0.1, 0.3), (-0.5, 0.4, -0.8), (2, 1, 1))
 ]
 Array = np.ndarray
-# the machine may be busy: nothing here is about time
-unhurried = settings(deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 
 
 def states_with_markers(

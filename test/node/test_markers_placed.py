@@ -20,8 +20,8 @@ from shown_markers import (
     points_array,
     states_with_markers,
     through_middleware,
-    unhurried,
 )
+from unhurried import unhurried
 from visualization_msgs.msg import Marker
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState

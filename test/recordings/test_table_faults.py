@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from test_tables import CSV, MOT, fault, whole, written
+from motion_tables import CSV, MOT, read_all, read_fault, write_table
 
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.recordings.tables import LONGEST, Table
@@ -128,7 +128,7 @@ FAULTS = {
 @pytest.mark.parametrize('case', FAULTS)
 def test_a_fault_is_named_in_one_line_with_its_place(tmp_path: Path, case: str) -> None:
     name, content, reason = FAULTS[case]
-    text = fault(written(tmp_path, name, content))
+    text = read_fault(write_table(tmp_path, name, content))
     assert reason in text
     assert text.startswith(f'{name}:')
     assert len(text) < 300
@@ -138,14 +138,16 @@ def test_a_fault_is_named_in_one_line_with_its_place(tmp_path: Path, case: str) 
 def test_a_fault_is_found_in_whatever_chunk_it_is(tmp_path: Path, row: int) -> None:
     lines = ['time,a', *(f'{i},{i}' for i in range(2500))]
     lines[row] = '7,seven'
-    table = Table.open(written(tmp_path, 'motion.csv', '\n'.join(lines)))
+    table = Table.open(write_table(tmp_path, 'motion.csv', '\n'.join(lines)))
     for rows in (1, 1000, 10_000):
         with pytest.raises(RecordingError, match=rf"motion\.csv:{row + 1}: column 'a': 'seven' is"):
-            whole(table, ('a',), rows)
+            read_all(table, ('a',), rows)
 
 
 def test_the_rows_before_a_faulty_chunk_are_given(tmp_path: Path) -> None:
-    chunks = Table.open(written(tmp_path, 'motion.csv', CSV + '0.2,x,5\n')).chunks(('a',), rows=2)
+    chunks = Table.open(write_table(tmp_path, 'motion.csv', CSV + '0.2,x,5\n')).chunks(
+        ('a',), rows=2
+    )
     assert next(chunks)[1].tolist() == [[1.0], [3.0]]
     with pytest.raises(RecordingError, match=r"motion\.csv:4: column 'a': 'x' is no number"):
         next(chunks)
@@ -153,16 +155,16 @@ def test_the_rows_before_a_faulty_chunk_are_given(tmp_path: Path) -> None:
 
 def test_a_header_is_read_without_the_rows(tmp_path: Path) -> None:
     for name, content in (('motion.csv', CSV), ('motion.mot', MOT)):
-        path = written(tmp_path, name, content.encode() + b'\xff\n')
+        path = write_table(tmp_path, name, content.encode() + b'\xff\n')
         assert Table.open(path).columns == ('a', 'b')
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    assert fault(tmp_path / 'm.csv') == 'm.csv: cannot be read: No such file or directory'
+    assert read_fault(tmp_path / 'm.csv') == 'm.csv: cannot be read: No such file or directory'
 
 
 def test_a_file_that_went_away_is_named(tmp_path: Path) -> None:
-    table = Table.open(written(tmp_path, 'm.csv', CSV))
+    table = Table.open(write_table(tmp_path, 'm.csv', CSV))
     table.path.unlink()
     with pytest.raises(RecordingError, match=r'm\.csv: cannot be read: No such file or directory'):
         next(table.chunks(('a',)))
@@ -171,7 +173,7 @@ def test_a_file_that_went_away_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize('name', ['folder', 'folder.mot'])
 def test_a_folder_is_no_table(tmp_path: Path, name: str) -> None:
     (tmp_path / name).mkdir()
-    assert fault(tmp_path / name) == f'{name}: cannot be read: Is a directory'
+    assert read_fault(tmp_path / name) == f'{name}: cannot be read: Is a directory'
 
 
 @contextmanager
@@ -188,7 +190,7 @@ def unprivileged() -> Iterator[None]:
 
 
 def test_a_file_without_permission_is_named(tmp_path: Path) -> None:
-    path = written(tmp_path, 'm.csv', CSV)
+    path = write_table(tmp_path, 'm.csv', CSV)
     path.chmod(0)
     with unprivileged():
-        assert fault(path) == 'm.csv: cannot be read: Permission denied'
+        assert read_fault(path) == 'm.csv: cannot be read: Permission denied'

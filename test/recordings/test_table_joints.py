@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_tables import JOINTS
+from motion_tables import JOINTS
 
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.recordings.tables import choose

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_tables import JOINTS, unhurried, whole
+from motion_tables import JOINTS, read_all
+from unhurried import unhurried
 
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.recordings.tables import Table, differentiated, lowpassed, resampled
@@ -24,7 +25,7 @@ def sine(frequency: float, times: Floats) -> Floats:
 
 def test_at_its_own_rate_a_motion_stays_as_it_is(shared: Path) -> None:
     table = Table.open(shared / 'recordings' / 'abduction.mot')
-    times, values = whole(table, JOINTS)
+    times, values = read_all(table, JOINTS)
     new, there = resampled(times, values, 100.0)
     np.testing.assert_allclose(new, times, rtol=0.0, atol=1e-12)  # s: rounding
     np.testing.assert_allclose(there, values, rtol=0.0, atol=1e-8)  # deg: the file's last decimal

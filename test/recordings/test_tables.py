@@ -1,54 +1,19 @@
-"""Motion tables: what OpenSim and CSV files hold, what is wrong with them, and where."""
+"""Motion tables: what OpenSim and CSV files hold."""
 
 from __future__ import annotations
 
 import math
-import os
 import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from motion_tables import CSV, JOINTS, MOT, read_all, write_table
+from unhurried import unhurried
 
-from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.recordings.tables import Table, choose
-from linkedplane_ros.types import Floats
-
-JOINTS = ('plane_elv', 'shoulder_elv', 'axial_rot')
-MOT = 'Coordinates\nversion=1\ninDegrees=yes\nendheader\ntime\ta\tb\n0\t1\t2\n0.1\t3\t4\n'
-CSV = 'time,a,b\n0,1,2\n0.1,3,4\n'
-# the machine may be busy: nothing here is about time
-unhurried = settings(deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
-
-
-def written(folder: Path, name: str, content: str | bytes) -> Path:
-    """Return the path of a file with this content, its line ends as they are given."""
-    path = folder / name
-    path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return path
-
-
-def whole(table: Table, names: tuple[str, ...], rows: int = 10_000) -> tuple[Floats, Floats]:
-    """Return all that a table holds of some columns, read in chunks."""
-    times, values, shares = zip(*table.chunks(names, rows), strict=True)
-    assert list(shares) == sorted(shares)
-    assert shares[-1] == 1.0
-    return np.concatenate(times), np.concatenate(values)
-
-
-def fault(path: Path, names: tuple[str, ...] = ('a', 'b')) -> str:
-    """Return the line with which reading a file has to fail, without the folder."""
-    with pytest.raises(RecordingError) as caught:
-        whole(Table.open(path), names)
-    text = str(caught.value)
-    assert text.startswith(f'{path}:')
-    assert '\n' not in text
-    return text.removeprefix(f'{path.parent}{os.sep}')
-
-
-# what a file holds
 
 
 @pytest.mark.parametrize('motion', ['abduction', 'flexion'])
@@ -59,22 +24,22 @@ def test_a_mot_in_degrees_is_the_csv_in_radians(shared: Path, motion: str) -> No
     assert (mot.in_degrees, csv.in_degrees) == (True, None)
     assert len(mot.columns) == 17
     assert csv.columns == tuple(f'{joint}_rad' for joint in JOINTS)
-    times, degrees = whole(mot, choose(mot.columns, JOINTS))
-    seconds, radians = whole(csv, csv.columns)
+    times, degrees = read_all(mot, choose(mot.columns, JOINTS))
+    seconds, radians = read_all(csv, csv.columns)
     np.testing.assert_array_equal(times, seconds)
     # rad: the CSV is rounded to 8 decimals
     np.testing.assert_allclose(np.radians(degrees), radians, rtol=0.0, atol=0.51e-8)
 
 
 def test_a_recording_has_the_rows_that_its_header_tells_of(shared: Path) -> None:
-    times, values = whole(Table.open(shared / 'recordings' / 'abduction.mot'), JOINTS)
+    times, values = read_all(Table.open(shared / 'recordings' / 'abduction.mot'), JOINTS)
     assert times.shape == (1091,)
     assert values.shape == (1091, 3)
 
 
 def test_a_long_recording_comes_in_order(shared: Path) -> None:
     table = Table.open(shared / 'recordings' / 'daily_motion.csv')
-    times, values = whole(table, table.columns, rows=1000)
+    times, values = read_all(table, table.columns, rows=1000)
     assert values.shape == (9800, 3)
     np.testing.assert_allclose(np.diff(times), 0.01, rtol=0.0, atol=1e-9)  # s: 100 Hz
 
@@ -95,10 +60,10 @@ def test_an_opensim_header_says_what_it_says_in_any_order(
     tmp_path: Path, header: str, in_degrees: bool | None
 ) -> None:
     for name in ('motion.mot', 'MOTION.STO'):
-        path = written(tmp_path, name, f'{header}EndHeader \n\nTime\ta b\n 0 \t1  2\t\n0.1 3 4')
+        path = write_table(tmp_path, name, f'{header}EndHeader \n\nTime\ta b\n 0 \t1  2\t\n0.1 3 4')
         table = Table.open(path)
         assert table == Table(path, ('a', 'b'), 'Time', in_degrees)
-        times, values = whole(table, ('b', 'a'))
+        times, values = read_all(table, ('b', 'a'))
         assert times.tolist() == [0.0, 0.1]
         assert values.tolist() == [[2.0, 1.0], [4.0, 3.0]]
 
@@ -122,43 +87,43 @@ def test_an_opensim_header_says_what_it_says_in_any_order(
     ],
 )
 def test_a_csv_may_be_written_in_any_usual_way(tmp_path: Path, content: str) -> None:
-    table = Table.open(written(tmp_path, 'motion.csv', content))
+    table = Table.open(write_table(tmp_path, 'motion.csv', content))
     assert table.columns[:2] == ('a', 'b')
-    times, values = whole(table, ('a', 'b'))
+    times, values = read_all(table, ('a', 'b'))
     assert times.tolist() == [0.0, 0.1]
     assert values.tolist() == [[1.0, 2.0], [3.0, 4.0]]
 
 
 @pytest.mark.parametrize('time', ['time', 'T', 'time_s', 'Timestamp', 'Time (s)'])
 def test_the_time_of_a_csv_has_a_usual_name(tmp_path: Path, time: str) -> None:
-    table = Table.open(written(tmp_path, 'motion.csv', CSV.replace('time', time)))
+    table = Table.open(write_table(tmp_path, 'motion.csv', CSV.replace('time', time)))
     assert (table.time_column, table.columns) == (time, ('a', 'b'))
 
 
 def test_of_two_times_the_plainer_name_counts(tmp_path: Path) -> None:
-    table = Table.open(written(tmp_path, 'motion.csv', 'timestamp,time,a\n9,0,1\n'))
+    table = Table.open(write_table(tmp_path, 'motion.csv', 'timestamp,time,a\n9,0,1\n'))
     assert (table.time_column, table.columns) == ('time', ('timestamp', 'a'))
-    times, values = whole(table, ('timestamp',))
+    times, values = read_all(table, ('timestamp',))
     assert (times.tolist(), values.tolist()) == ([0.0], [[9.0]])
 
 
 def test_a_gap_is_nan(tmp_path: Path) -> None:
-    path = written(tmp_path, 'motion.csv', 'time,a,b\n0,,NaN\n0.1, ,4\n0.2,nan,\n')
-    _, values = whole(Table.open(path), ('a', 'b'))
+    path = write_table(tmp_path, 'motion.csv', 'time,a,b\n0,,NaN\n0.1, ,4\n0.2,nan,\n')
+    _, values = read_all(Table.open(path), ('a', 'b'))
     np.testing.assert_array_equal(values, [[math.nan, math.nan], [math.nan, 4.0], [math.nan] * 2])
-    path = written(tmp_path, 'motion.sto', MOT.replace('3', 'nan'))
-    np.testing.assert_array_equal(whole(Table.open(path), ('a',))[1], [[1.0], [math.nan]])
+    path = write_table(tmp_path, 'motion.sto', MOT.replace('3', 'nan'))
+    np.testing.assert_array_equal(read_all(Table.open(path), ('a',))[1], [[1.0], [math.nan]])
 
 
 def test_columns_that_nobody_asks_for_may_hold_anything(tmp_path: Path) -> None:
-    path = written(tmp_path, 'motion.csv', 'time,note,a,note,\n0,gähn,1,,x\n0.1,"1_0",2,5,\n')
+    path = write_table(tmp_path, 'motion.csv', 'time,note,a,note,\n0,gähn,1,,x\n0.1,"1_0",2,5,\n')
     table = Table.open(path)
     assert table.columns == ('note', 'a', 'note', '')
-    assert whole(table, ('a',))[1].tolist() == [[1.0], [2.0]]
+    assert read_all(table, ('a',))[1].tolist() == [[1.0], [2.0]]
 
 
 def test_the_times_can_be_had_alone(tmp_path: Path) -> None:
-    times, values = whole(Table.open(written(tmp_path, 'motion.csv', CSV)), ())
+    times, values = read_all(Table.open(write_table(tmp_path, 'motion.csv', CSV)), ())
     assert (times.tolist(), values.shape) == ([0.0, 0.1], (2, 0))
 
 
@@ -170,7 +135,7 @@ def test_where_chunks_end_does_not_matter(tmp_path: Path, name: str, rows: int) 
     content = f'time,a,b\n{text}\n'
     if name.endswith('.mot'):
         content = 'endheader\n' + content.replace(',', '\t')
-    chunks = list(Table.open(written(tmp_path, name, content)).chunks(('b', 'a'), rows))
+    chunks = list(Table.open(write_table(tmp_path, name, content)).chunks(('b', 'a'), rows))
     assert [len(times) for times, _, _ in chunks[:-1]] == [rows] * (len(chunks) - 1)
     assert 0 < len(chunks[-1][0]) <= rows
     np.testing.assert_array_equal(np.concatenate([times for times, _, _ in chunks]), numbers[:, 0])
@@ -180,7 +145,7 @@ def test_where_chunks_end_does_not_matter(tmp_path: Path, name: str, rows: int) 
 
 
 def test_a_chunk_has_at_least_a_row(tmp_path: Path) -> None:
-    table = Table.open(written(tmp_path, 'motion.csv', CSV))
+    table = Table.open(write_table(tmp_path, 'motion.csv', CSV))
     with pytest.raises(ValueError, match='chunks of 0 rows; at least 1 expected'):
         next(table.chunks(('a',), 0))
 
@@ -188,7 +153,7 @@ def test_a_chunk_has_at_least_a_row(tmp_path: Path) -> None:
 def test_a_long_file_takes_no_more_memory_than_a_short_one(tmp_path: Path) -> None:
     def peak(count: int) -> int:
         text = 'time,a\n' + ''.join(f'{i},{i}.5\n' for i in range(count))
-        table = Table.open(written(tmp_path, 'motion.csv', text))
+        table = Table.open(write_table(tmp_path, 'motion.csv', text))
         del text
         tracemalloc.start()
         for _ in table.chunks(('a',), rows=500):
@@ -225,13 +190,13 @@ def test_what_is_written_is_read_to_the_bit(
     lines = [delimiter.join(row) for row in [('time', 'a', 'b'), *(map(repr, n) for n in numbers)]]
     path = tmp_path_factory.getbasetemp() / 'written.csv'
     path.write_bytes(''.join(line + end for line in lines).encode())
-    times, values = whole(Table.open(path), ('a', 'b'), rows)
+    times, values = read_all(Table.open(path), ('a', 'b'), rows)
     np.testing.assert_array_equal(times, [row[0] for row in numbers])
     np.testing.assert_array_equal(values, [row[1:] for row in numbers])
     if delimiter == '\t':
         path = path.with_suffix('.sto')
         path.write_bytes(''.join(line + end for line in ['endheader', *lines]).encode())
         for one, other in zip(
-            whole(Table.open(path), ('a', 'b'), rows), (times, values), strict=True
+            read_all(Table.open(path), ('a', 'b'), rows), (times, values), strict=True
         ):
             np.testing.assert_array_equal(one, other)

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
 from scipy.spatial.transform import Rotation
 from std_msgs.msg import ColorRGBA
+from unhurried import unhurried
 from visualization_msgs.msg import Marker, MarkerArray
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
@@ -34,7 +35,6 @@ THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 STATE = SOLVER.solve(THESIS.rotation((0.9, 0.3, 0.1)))
 ARRAY = MuscleMarkers(DELTOID, 'scapula', 16).at(STATE, Time(sec=3))
 LABELS = (THESIS.coordinates, DELTOID.band_names)
-unhurried = settings(deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 
 
 def kept(*arrays: MarkerArray) -> Markers:

@@ -1,0 +1,7 @@
+"""Settings for property tests on a machine that may be busy: nothing in them is about time."""
+
+from __future__ import annotations
+
+from hypothesis import HealthCheck, settings
+
+unhurried = settings(deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
