@@ -13,3 +13,15 @@ class ModelError(LinkedPlaneError):
 
 class RecordingError(LinkedPlaneError):
     """A recording that cannot be read; the message names the file and the reason."""
+
+
+class FieldError(ModelError):
+    """A field that a model cannot have; the reader of a file names its key instead."""
+
+    def __init__(self, field: str, reason: str, owner: str = '') -> None:
+        """Keep the parts of the message: `owner` is the part of a model that has the field."""
+        super().__init__(field, reason, owner)
+        self.field, self.reason, self.owner = field, reason, owner
+
+    def __str__(self) -> str:
+        return f'{self.owner}: {self.field}: {self.reason}'.removeprefix(': ')

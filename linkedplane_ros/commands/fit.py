@@ -14,7 +14,7 @@ import numpy as np
 
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
-from ..muscle.mapping import Section
+from ..muscle.validity import check_topic_name
 from ..solver.check import DEFAULT_RANGE
 from .values import (
     finite_number,
@@ -197,7 +197,8 @@ def run(args: argparse.Namespace) -> None:
     needed()
     files = Files(Path(args.out), bool(args.tighten))
     muscle = BroadMuscle.load(args.model)
-    name = Section(args.out, '', {'name': args.name or files.model.stem}).token('name')
+    name = args.name or files.model.stem
+    check_topic_name('name', name, args.out)
     _check_depths(args, muscle)
     criterion, watch, data = _stated(args, muscle)
     if isinstance(criterion.states(criterion.space.start), float):
@@ -279,7 +280,7 @@ def _outcome(
         places = criterion.space.coefficients(x)
         made = muscle.with_coefficients({place: float(f'{v:.12g}') for place, v in places.items()})
         source = f'{muscle.source}; fitted to {data.path.name} ({data.reading})'
-        return BroadMuscle.of(replace(made.definition, name=name, source=source))
+        return BroadMuscle.from_definition(replace(made.definition, name=name, source=source))
 
     stages = tuple(Stage(depth, best, over_range(fitted(best))) for depth, best in found.best_of)
     words = [word for word in args.words if word not in ('--resume', '--force')]

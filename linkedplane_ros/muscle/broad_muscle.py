@@ -16,9 +16,31 @@ import numpy as np
 from ..errors import ModelError
 from ..types import Floats, Interval
 from . import file, scaling, writing
-from .definition import FRAMES, Definition, Head, Landmark, frames_of, in_metres, unit
-from .mapping import text_of
+from .definition import (
+    COORDINATES,
+    Definition,
+    Head,
+    Landmark,
+    Sphere,
+    as_frame,
+    frames_of,
+    in_metres,
+    unit,
+    whole_head,
+)
+from .mapping import YamlMapping, parse_yaml, read_text
 from .scaling import Scale
+from .validity import (
+    as_array,
+    as_intervals,
+    as_text,
+    check_distinct,
+    check_geometry,
+    check_heads,
+    check_landmarks,
+    check_names,
+    check_topic_name,
+)
 
 __all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale', 'bundled_models']
 
@@ -82,51 +104,44 @@ class BroadMuscle:
     """What a file states; of no account where the other fields have been changed since."""
 
     def __post_init__(self) -> None:
-        """Check frames and shapes; ModelError names the field."""
-        for name in ('source', 'licence'):
-            self._set(name, getattr(self, name).strip())
+        """Check all that a file is checked for; FieldError names the field."""
+        check_topic_name('name', self.name)
+        self._set('source', as_text('source', self.source))
+        self._set('licence', self.licence and as_text('licence', self.licence))
         for name in ('band_names', 'interference_names'):
             self._set(name, tuple(map(str, getattr(self, name))))
-        if not self.band_names:
-            raise ModelError('band_names: at least one band expected')
-        whole = file.whole(self.name, self.band_names)
-        self._set('heads', tuple(self.heads) or (whole,))
+        check_names('band_names', self.band_names)
+        check_distinct('interference_names', self.interference_names)
+        heads = tuple(self.heads) or (whole_head(self.name, self.band_names),)
+        self._set('heads', heads)
+        check_heads(self.heads, self.band_names)
         self._set('landmarks', tuple(self.landmarks))
+        check_landmarks([landmark.name for landmark in self.landmarks])
         if self.range_of_motion is not None:
-            limits = self._shaped('range_of_motion', (3, 2)).tolist()
-            self._set('range_of_motion', tuple(map(tuple, limits)))
-        self._check_frame()
+            limits = as_intervals('range_of_motion', self.range_of_motion, COORDINATES)
+            self._set('range_of_motion', limits)
+        frame = as_frame('sphere_frame', self.sphere_frame, len(self.band_names))
+        self._set('sphere_frame', frame)
+        self._set_arrays()
+        check_geometry(self)
+
+    def _set_arrays(self) -> None:
+        """Take copies of the arrays, and check them; no SC and no HM without a moving frame."""
         sizes = {'n': len(self.band_names), 'k': len(self.interference_names)}
+        moving = 'moving' in self.sphere_frames
         for name, shape in SHAPES.items():
-            if getattr(self, name) is None and 'moving' not in self.sphere_frames:
-                continue  # SC and HM
-            array = self._shaped(
-                name, tuple(sizes[size] if isinstance(size, str) else size for size in shape)
-            )
+            if name in ('ground_point', 'humeral_point') and not moving:
+                self._set(name, None)
+                continue
+            expected = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
+            array = as_array(name, getattr(self, name), expected)
             array = unit(array) if name == 'reference_normal' else array
             array.flags.writeable = False  # the definition would no longer be theirs
             self._set(name, array)
-
-    def _check_frame(self) -> None:
-        """Check what the spheres move with; without a moving frame there is no SC and no HM."""
-        if not isinstance(self.sphere_frame, str):
-            self._set('sphere_frame', tuple(self.sphere_frame))
-        n = len(self.band_names)
-        if len(self.sphere_frames) != n or not set(self.sphere_frames) <= set(FRAMES):
-            raise ModelError(
-                f'sphere_frame: {self.sphere_frame!r} given, one of {", ".join(FRAMES)}, or '
-                f'{n} of them, expected'
-            )
-        if 'moving' not in self.sphere_frames:
-            self._set('ground_point', None)
-            self._set('humeral_point', None)
-
-    def _shaped(self, name: str, expected: tuple[int, ...]) -> Floats:
-        """Return a copy of a field as an array of a shape."""
-        array = np.array(getattr(self, name), dtype=np.float64)
-        if array.shape != expected:
-            raise ModelError(f'{name}: shape {array.shape} given, {expected} expected')
-        return array
+        for sphere in zip(
+            self.interference_names, self.interference_centres, self.interference_radii, strict=True
+        ):
+            Sphere(*sphere)  # which checks itself
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
@@ -140,17 +155,17 @@ class BroadMuscle:
         bundled = bundled_models()
         text = str(name)
         if text in bundled:
-            return BroadMuscle.of(file.read(text, bundled[text]))
+            return build_muscle(parse_yaml(text, bundled[text]))
         path = Path(text)
         if path.suffix not in ('.yaml', '.yml'):
             raise ModelError(
                 f'muscle: {text!r} is neither a bundled model ({", ".join(sorted(bundled))}) '
                 'nor a path to a .yaml file'
             )
-        return BroadMuscle.of(file.read(text, text_of(path)))
+        return build_muscle(parse_yaml(text, read_text(path)))
 
     @staticmethod
-    def of(definition: Definition) -> BroadMuscle:
+    def from_definition(definition: Definition) -> BroadMuscle:
         """Return the muscle that a definition defines."""
         return BroadMuscle(**definition.evaluated, stated=definition)
 
@@ -183,7 +198,7 @@ class BroadMuscle:
         .yaml (doc/reference/model_format.md). Raises ModelError where it is none of these.
         """
         wanted = scaling.scale_of(scale, self.definition)
-        return BroadMuscle.of(scaling.scaled(self.definition, wanted))
+        return BroadMuscle.from_definition(scaling.scaled(self.definition, wanted))
 
     @property
     def coefficients(self) -> dict[str, float]:
@@ -198,19 +213,19 @@ class BroadMuscle:
 
         Raises ModelError for a place that is not there, and where `load` would refuse the result.
         """
-        return BroadMuscle.of(writing.with_coefficients(self.definition, values))
+        return build_muscle(writing.with_coefficients(self.definition, values))
 
     def to_yaml(self, path: str | Path) -> None:
         """Write the muscle as a .yaml file; `load` gives an equal muscle back, to the bit.
 
         A file that is there is replaced when the new one is complete. Raises ModelError where
-        `load` would refuse the file, and where it cannot be written.
+        `load` would read something else, and where the file cannot be written.
         """
         path = Path(path)
         if path.suffix not in ('.yaml', '.yml'):
             raise ModelError(f'{path}: a model file ends in .yaml')
         text = writing.written(self.definition)
-        if file.read(str(path), text) != self.definition:
+        if file.read_definition(parse_yaml(str(path), text)) != self.definition:
             raise ModelError(f'{path}: not written: a name or text would be read otherwise')
         part = path.with_name(f'.{path.name}.{os.getpid()}.part')
         try:
@@ -265,6 +280,12 @@ class BroadMuscle:
     def head_of(self, band: str) -> str:
         """Return the name of the head that a band belongs to."""
         return next(head.name for head in self.heads if band in head.bands)
+
+
+def build_muscle(content: YamlMapping) -> BroadMuscle:
+    """Return the muscle that a file's content defines; ModelError names file and key."""
+    with file.name_keys(content):
+        return BroadMuscle.from_definition(file.read_definition(content))
 
 
 def same(one: Any, other: Any) -> bool:

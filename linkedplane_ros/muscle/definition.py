@@ -7,14 +7,16 @@ is evaluated here and nowhere else.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError
+from ..errors import FieldError
 from ..types import Floats, Interval, Point
+from .validity import as_array, as_point, check_choice, check_names
 
 METRES = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 RADIANS = {'rad': 1.0, 'deg': math.pi / 180.0}
@@ -75,6 +77,15 @@ class Head:
     bands: tuple[str, ...]
     represented_by: str
 
+    def __post_init__(self) -> None:
+        """Check the bands; FieldError for one that represents a head without being in it."""
+        object.__setattr__(self, 'bands', tuple(self.bands))
+        owner = f'head {self.name}'
+        check_names('bands', self.bands, owner)
+        if self.represented_by not in self.bands:
+            reason = f'{self.represented_by!r} is not one of the bands of the head'
+            raise FieldError('represented_by', reason, owner)
+
 
 @dataclass(frozen=True)
 class Sphere:
@@ -83,6 +94,15 @@ class Sphere:
     name: str
     centre: Point
     radius: float
+
+    def __post_init__(self) -> None:
+        """Check centre and radius; FieldError says what would be right."""
+        owner = f'interference sphere {self.name}'
+        object.__setattr__(self, 'centre', as_point('centre', self.centre, owner))
+        radius = float(as_array('radius', self.radius, (), owner))
+        if radius <= 0.0:
+            raise FieldError('radius', f'{radius:g} given, > 0 expected', owner)
+        object.__setattr__(self, 'radius', radius)
 
 
 @dataclass(frozen=True)
@@ -96,13 +116,10 @@ class Landmark:
     """In the bone's frame."""
 
     def __post_init__(self) -> None:
-        """Check bone and place; ModelError says what would be right."""
-        if self.bone not in BONES:
-            raise ModelError(f'landmark {self.name}: {self.bone!r} given, one of {BONES} expected')
-        place = np.array(self.at, dtype=np.float64)
-        if place.shape != (3,):
-            raise ModelError(f'landmark {self.name}: shape {place.shape} given, (3,) expected')
-        object.__setattr__(self, 'at', tuple(place.tolist()))
+        """Check bone and place; FieldError says what would be right."""
+        owner = f'landmark {self.name}'
+        check_choice('bone', self.bone, BONES, owner)
+        object.__setattr__(self, 'at', as_point('at', self.at, owner))
 
 
 @dataclass(frozen=True)
@@ -133,6 +150,49 @@ class Definition:
     landmarks: tuple[Landmark, ...] = ()
     range_of_motion: tuple[Interval, Interval, Interval] | None = None
 
+    def __post_init__(self) -> None:
+        """Check units, frames, s and the lengths of lists; FieldError names the file's key."""
+        check_choice('units.length', self.length, tuple(METRES))
+        check_choice('units.angle', self.angle, tuple(RADIANS))
+        check_names('bands.names', self.band_names)
+        object.__setattr__(self, 'heads', self.heads or (whole_head(self.name, self.band_names),))
+        n = len(self.band_names)
+        if isinstance(self.s, Span):
+            as_array('bands.s', (self.s.first, self.s.last), (2,))
+        elif self.s is not None:
+            check_count('bands.s', len(self.s), n)
+            as_array('bands.s', self.s, (n,))
+        self._check_frame()
+        self._check_curves()
+
+    def _check_frame(self) -> None:
+        """Refuse SC and HM without a moving frame, and such a frame without them."""
+        n = len(self.band_names)
+        frames = frames_of(as_frame('sphere.frame', self.sphere_frame, n), n)
+        points = {
+            'sphere.ground_point': self.ground_point,
+            'sphere.humeral_point': self.humeral_point,
+        }
+        for key, point in points.items():
+            if point is None and 'moving' in frames:
+                raise FieldError(key, 'missing')
+            if point is not None and 'moving' not in frames:
+                given = ', '.join(dict.fromkeys(frames))
+                raise FieldError(key, f'is for moving frames; given here: {given}')
+
+    def _check_curves(self) -> None:
+        """Refuse lists that are not as long as the muscle has bands, and polynomials without s."""
+        n = len(self.band_names)
+        for key, points in self.points().items():
+            counts = {len(axis.values) if isinstance(axis, Listed) else None for axis in points}
+            if len(counts) == 1 and (count := counts.pop()) is not None:
+                check_count(key, count, n, 'points, one for each band,')
+        for key, curve in self.curves().items():
+            if isinstance(curve, Listed):
+                check_count(key, len(curve.values), n)
+            elif self.s is None and len(curve.coefficients) > 1:
+                raise FieldError('bands.s', f'missing; {key} is a polynomial in s')
+
     @cached_property
     def s_of_bands(self) -> Floats:
         """(n,) s of each band; zeros where none is stated, and none needed."""
@@ -141,15 +201,21 @@ class Definition:
             return np.linspace(self.s.first, self.s.last, n)
         return np.zeros(n) if self.s is None else np.array(self.s)
 
+    def points(self) -> dict[str, Curves]:
+        """Return the points that may vary over the bands, by their keys in the file."""
+        return {
+            'origin': self.origin,
+            'insertion': self.insertion,
+            'sphere.centre': self.sphere_centre,
+        }
+
     def curves(self) -> dict[str, Curve]:
         """Return what may vary over the bands, by its key in the file."""
-        curves: dict[str, Curve] = {}
-        for key, points in (
-            ('origin', self.origin),
-            ('insertion', self.insertion),
-            ('sphere.centre', self.sphere_centre),
-        ):
-            curves.update(zip((f'{key}.{axis}' for axis in 'xyz'), points, strict=True))
+        curves = {
+            f'{key}.{axis}': curve
+            for key, points in self.points().items()
+            for axis, curve in zip('xyz', points, strict=True)
+        }
         return {**curves, 'sphere.radius': self.sphere_radius, 'plane_angle': self.plane_angle}
 
     @cached_property
@@ -195,6 +261,29 @@ class Definition:
             'range_of_motion': self.range_of_motion
             and tuple((low * radians, high * radians) for low, high in self.range_of_motion),
         }
+
+
+def check_count(key: str, count: int, n: int, what: str = 'numbers') -> None:
+    """Refuse a list that does not have something for each of n bands."""
+    if count != n:
+        raise FieldError(key, f'a list of {n} {what} expected, a list of {count} given')
+
+
+def whole_head(name: str, bands: tuple[str, ...]) -> Head:
+    """Return a muscle as its own only head, which its middle band represents."""
+    return Head(name, bands, bands[len(bands) // 2])
+
+
+def as_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
+    """Return what spheres move with, one of FRAMES for all or n of them; FieldError for others."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        check_choice(field, value, FRAMES)
+        return str(value)
+    frames = tuple(value)
+    check_count(field, len(frames), n, 'frames, one for each band,')
+    for i, frame in enumerate(frames):
+        check_choice(f'{field}[{i}]', frame, FRAMES)
+    return frames
 
 
 def frames_of(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:

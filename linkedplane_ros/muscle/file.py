@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
+from contextlib import contextmanager
 
+from ..errors import FieldError
 from ..types import Interval
 from .definition import (
-    BONES,
     COORDINATES,
-    FRAMES,
-    METRES,
-    RADIANS,
     Curve,
     Curves,
     Definition,
@@ -20,14 +18,11 @@ from .definition import (
     Polynomial,
     Span,
     Sphere,
-    frames_of,
 )
-from .mapping import Section, kind_of, parsed
+from .mapping import YamlMapping, kind_of
 
 FORMAT = 'linkedplane_ros/broad_muscle'
 VERSION = 1
-JOINT_CENTRE = 'joint_centre'  # a landmark of both bones by itself
-PARALLEL = 1e-6  # sine of the smallest angle between a reference normal and the first band
 
 # The keys of every section, those needed and those that may be there; * stands for a name.
 KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -50,13 +45,32 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     'curves': (('x', 'y', 'z'), ()),
 }  # fmt: skip
 
+# Where a file has the fields of a BroadMuscle that it names otherwise.
+KEYS_OF_FIELDS = {
+    'band_names': 'bands.names',
+    'origins': 'origin',
+    'insertions': 'insertion',
+    'sphere_frame': 'sphere.frame',
+    'sphere_centres': 'sphere.centre',
+    'sphere_radii': 'sphere.radius',
+    'ground_point': 'sphere.ground_point',
+    'humeral_point': 'sphere.humeral_point',
+    'plane_angles': 'plane_angle',
+}
 
-def read(file: str, text: str) -> Definition:
-    """Return the definition in a file's text; ModelError in one line for whatever is wrong."""
-    return defined(parsed(file, text))
+
+@contextmanager
+def name_keys(section: YamlMapping) -> Iterator[None]:
+    """Within the block, name file and key in place of the field that a model cannot have."""
+    try:
+        yield
+    except FieldError as error:
+        field, bracket, index = error.field.partition('[')
+        key = KEYS_OF_FIELDS.get(field, field) + bracket + index
+        raise section.fault(key, error.reason) from None
 
 
-def defined(file: Section) -> Definition:
+def read_definition(file: YamlMapping) -> Definition:
     """Return the definition in a file's content; ModelError in one line for whatever is wrong."""
     file.allow(*KEYS[''])
     if file.text('format') != FORMAT:
@@ -71,55 +85,53 @@ def defined(file: Section) -> Definition:
     units.allow(*KEYS['units'])
     bands = file.section('bands')
     bands.allow(*KEYS['bands'])
-    names = bands.names('names')
-    n = len(names)
     sphere = file.section('sphere')
-    frame = _frame(sphere, n)
-    definition = Definition(
-        name=file.token('name'),
-        source=file.text('source'),
-        licence=file.text('licence') if 'licence' in file else '',
-        length=units.choice('length', METRES),
-        angle=units.choice('angle', RADIANS),
-        band_names=names,
-        s=_s(bands, n),
-        heads=_heads(file, names),
-        origin=_points(file, 'origin', n),
-        insertion=_points(file, 'insertion', n),
-        sphere_frame=frame,
-        sphere_centre=_points(sphere, 'centre', n),
-        sphere_radius=_curve(sphere, 'radius', n),
-        ground_point=sphere.point('ground_point') if 'ground_point' in sphere else None,
-        humeral_point=sphere.point('humeral_point') if 'humeral_point' in sphere else None,
-        plane_angle=_curve(file, 'plane_angle', n),
-        reference_normal=file.point('reference_normal'),
-        interference_spheres=interference_spheres(file),
-        landmarks=_landmarks(file),
-        range_of_motion=_range_of_motion(file),
-    )
-    _check(file, definition)
-    return definition
+    sphere.allow(*KEYS['sphere'])
+    frame = sphere.content['frame']
+    with name_keys(file):
+        return Definition(
+            name=file.text('name'),
+            source=file.text('source'),
+            licence=file.text('licence') if 'licence' in file else '',
+            length=units.content['length'],
+            angle=units.content['angle'],
+            band_names=bands.names('names'),
+            s=_read_s(bands),
+            heads=_read_heads(file),
+            origin=_read_points(file, 'origin'),
+            insertion=_read_points(file, 'insertion'),
+            sphere_frame=tuple(frame) if isinstance(frame, list) else frame,
+            sphere_centre=_read_points(sphere, 'centre'),
+            sphere_radius=_read_curve(sphere, 'radius'),
+            ground_point=sphere.point('ground_point') if 'ground_point' in sphere else None,
+            humeral_point=sphere.point('humeral_point') if 'humeral_point' in sphere else None,
+            plane_angle=_read_curve(file, 'plane_angle'),
+            reference_normal=file.point('reference_normal'),
+            interference_spheres=read_interference_spheres(file),
+            landmarks=_read_landmarks(file),
+            range_of_motion=_read_range_of_motion(file),
+        )
 
 
-def _s(bands: Section, n: int) -> Span | tuple[float, ...] | None:
+def _read_s(bands: YamlMapping) -> Span | tuple[float, ...] | None:
     if 's' not in bands:
         return None
     if isinstance(bands.content['s'], list):
-        return bands.numbers('s', n)
+        return bands.numbers('s')
     span = bands.section('s')
     span.allow(*KEYS['bands.s'])
     return Span(span.number('first'), span.number('last'))
 
 
-def _curve(section: Section, key: str, n: int) -> Curve:
-    """Return what is a number, a polynomial's coefficients or, after `list`, n numbers."""
+def _read_curve(section: YamlMapping, key: str) -> Curve:
+    """Return what is a number, a polynomial's coefficients or, after `list`, a list of numbers."""
     value = section.content[key]
     if isinstance(value, list):
         return Polynomial(section.numbers(key))
     if isinstance(value, dict):
         listed = section.section(key)
         listed.allow(*KEYS['curve'])
-        return Listed(listed.numbers('list', n))
+        return Listed(listed.numbers('list'))
     if isinstance(value, str) or value is None:
         raise section.fault(
             key,
@@ -129,136 +141,51 @@ def _curve(section: Section, key: str, n: int) -> Curve:
     return Polynomial((section.number(key),))
 
 
-def _points(section: Section, key: str, n: int) -> Curves:
-    """Return what is a curve for each of x, y and z or, after `list`, n points."""
+def _read_points(section: YamlMapping, key: str) -> Curves:
+    """Return what is a curve for each of x, y and z or, after `list`, a list of points."""
     points = section.section(key)
     if 'list' in points:
         points.allow(*KEYS['curve'])
-        x, y, z = zip(*points.rows('list', n), strict=True)
+        x, y, z = zip(*points.rows('list'), strict=True)
         return Listed(x), Listed(y), Listed(z)
     points.allow(*KEYS['curves'])
-    return _curve(points, 'x', n), _curve(points, 'y', n), _curve(points, 'z', n)
+    return _read_curve(points, 'x'), _read_curve(points, 'y'), _read_curve(points, 'z')
 
 
-def _frame(sphere: Section, n: int) -> str | tuple[str, ...]:
-    """Return what the spheres move with; SC and HM are for moving frames alone."""
-    points = KEYS['sphere'][1]
-    sphere.allow(*KEYS['sphere'])
-    value = sphere.content['frame']
-    frame: str | tuple[str, ...]
-    if isinstance(value, list):
-        if len(value) != n:
-            raise sphere.fault(
-                'frame', f'a list of {n} frames, one for each band, expected, {len(value)} given'
-            )
-        each = Section(sphere.file, sphere.path, {f'frame[{i}]': v for i, v in enumerate(value)})
-        frame = tuple(each.choice(key, FRAMES) for key in each.content)
-    else:
-        frame = sphere.choice('frame', FRAMES)
-    if 'moving' in frames_of(frame, n):
-        sphere.allow(sum(KEYS['sphere'], ()))
-    for key in points:
-        if key in sphere and 'moving' not in frames_of(frame, n):
-            raise sphere.fault(key, f'is for moving frames; the frame here is {value}')
-    return frame
-
-
-def _heads(file: Section, names: tuple[str, ...]) -> tuple[Head, ...]:
-    """Return the heads; where none are named, one with the whole muscle."""
-    if 'heads' not in file:
-        return (whole(file.token('name'), names),)
+def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
+    if 'heads' in file and file.content['heads'] == {}:
+        raise file.fault('heads', 'at least one head expected, none given')
     heads = []
-    left = list(names)
     for name, entry in file.sections('heads'):
         entry.allow(*KEYS['heads.*'])
-        bands, one = entry.names('bands'), entry.text('represented_by')
-        for band in bands:
-            if band not in left:
-                raise entry.fault('bands', f'{band!r} is no band, or one of another head')
-            left.remove(band)
-        if one not in bands:
-            raise entry.fault('represented_by', f'{one!r} is not one of the bands of the head')
-        heads.append(Head(name, bands, one))
-    if left:
-        raise file.fault('heads', f'no head has the band {left[0]!r}')
+        with name_keys(entry):
+            heads.append(Head(name, entry.names('bands'), entry.text('represented_by')))
     return tuple(heads)
 
 
-def whole(name: str, bands: tuple[str, ...]) -> Head:
-    """Return the muscle as its own only head, which its middle band stands for."""
-    return Head(name, bands, bands[len(bands) // 2])
-
-
-def interference_spheres(file: Section) -> tuple[Sphere, ...]:
+def read_interference_spheres(file: YamlMapping) -> tuple[Sphere, ...]:
     """Return the interference spheres of a file, in its unit of length."""
     spheres = []
     for name, entry in file.sections('interference_spheres'):
         entry.allow(*KEYS['interference_spheres.*'])
-        sphere = Sphere(name, entry.point('centre'), entry.number('radius'))
-        if sphere.radius <= 0.0:
-            raise entry.fault('radius', f'{sphere.radius:g} given, > 0 expected')
-        spheres.append(sphere)
+        with name_keys(entry):
+            spheres.append(Sphere(name, entry.point('centre'), entry.number('radius')))
     return tuple(spheres)
 
 
-def _landmarks(file: Section) -> tuple[Landmark, ...]:
+def _read_landmarks(file: YamlMapping) -> tuple[Landmark, ...]:
     landmarks = []
     for name, entry in file.sections('landmarks'):
         entry.allow(*KEYS['landmarks.*'])
-        if name == JOINT_CENTRE:
-            raise file.fault(f'landmarks.{name}', 'is the origin of both bones, and there already')
-        landmarks.append(Landmark(name, entry.choice('bone', BONES), entry.point('at')))
+        with name_keys(entry):
+            landmarks.append(Landmark(name, entry.content['bone'], entry.point('at')))
     return tuple(landmarks)
 
 
-def _range_of_motion(file: Section) -> tuple[Interval, Interval, Interval] | None:
+def _read_range_of_motion(file: YamlMapping) -> tuple[Interval, Interval, Interval] | None:
     if 'range_of_motion' not in file:
         return None
     section = file.section('range_of_motion')
     section.allow(*KEYS['range_of_motion'])
-
-    def limits(coordinate: str) -> Interval:
-        low, high = section.numbers(coordinate, 2)
-        if low > high:
-            raise section.fault(coordinate, 'the lowest, then the highest angle expected')
-        return low, high
-
-    flexion, abduction, rotation = map(limits, COORDINATES)
-    return flexion, abduction, rotation
-
-
-def _check(file: Section, definition: Definition) -> None:
-    """Refuse what has no geometry: a radius that is not positive, a band without a plane."""
-    for key, curve in definition.curves().items():
-        if definition.s is None and isinstance(curve, Polynomial) and curve.coefficients[1:]:
-            raise file.fault('bands.s', f'missing; {key} is a polynomial in s')
-        if not np.isfinite(definition.values[key]).all():
-            raise file.fault(key, 'the polynomial is not finite over s')
-    if not np.linalg.norm(definition.reference_normal) > 0.0:
-        raise file.fault('reference_normal', 'a vector of some length expected, zero given')
-    fields = definition.evaluated
-    names, origins, radii = fields['band_names'], fields['origins'], fields['sphere_radii']
-    for i in np.flatnonzero(radii <= 0.0):
-        raise file.fault(
-            'sphere.radius', f'{radii[i]:.6g} m for band {names[i]}, a radius > 0 expected'
-        )
-    lines = fields['insertions'] - origins
-    sizes = np.linalg.norm(lines, axis=1)
-    for i in np.flatnonzero(~(sizes > 1e-9)):
-        raise file.fault('insertion', f'band {names[i]} ends where it begins (arm at the side)')
-    across = np.cross(fields['reference_normal'], lines[0] / sizes[0])
-    if np.linalg.norm(across) < PARALLEL:
-        raise file.fault(
-            'reference_normal',
-            f'parallel to the first band, {names[0]} (arm at the side): its plane is undefined',
-        )
-    moving = np.array(frames_of(definition.sphere_frame, len(names))) == 'moving'
-    if not moving.any():
-        return
-    towards = np.cross(fields['humeral_point'] - origins, fields['ground_point'] - origins)
-    for i in np.flatnonzero(moving & ~(np.linalg.norm(towards, axis=1) > 1e-9)):
-        raise file.fault(
-            'sphere.ground_point',
-            f"in line with humeral_point and the origin of band {names[i]}: the sphere's frame is "
-            'undefined',
-        )
+    (a, b), (c, d), (e, f) = (section.numbers(coordinate, 2) for coordinate in COORDINATES)
+    return (a, b), (c, d), (e, f)

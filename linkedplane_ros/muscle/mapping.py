@@ -1,9 +1,8 @@
-"""YAML that people write: every fault of it is told in one line with file, key and reason."""
+"""YAML that people write: whatever is wrong is said in one line with file, key and reason."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ class UniqueKeys(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-def text_of(path: Path) -> str:
+def read_text(path: Path) -> str:
     """Return the text of a file; ModelError if it cannot be read."""
     try:
         return path.read_text(encoding='utf-8')
@@ -39,7 +38,7 @@ def text_of(path: Path) -> str:
         raise ModelError(f'{path}: cannot be read: {reason}') from None
 
 
-def parsed(file: str, text: str) -> Section:
+def parse_yaml(file: str, text: str) -> YamlMapping:
     """Return the content of a file; ModelError if it is no YAML, or no mapping."""
     try:
         content = yaml.load(text, UniqueKeys)
@@ -48,10 +47,10 @@ def parsed(file: str, text: str) -> Section:
         line = f' at line {mark.line + 1}' if mark else ''
         problem = getattr(error, 'problem', None) or str(error).split('\n')[0]
         raise ModelError(f'{file}: not valid YAML{line}: {problem}') from None
-    return Section(file, '', content)
+    return YamlMapping(file, '', content)
 
 
-class Section:
+class YamlMapping:
     """A mapping of a file that knows where it stands; every fault names its key."""
 
     def __init__(self, file: str, path: str, content: Any) -> None:
@@ -87,11 +86,11 @@ class Section:
                 known = ', '.join(required + optional)
                 raise self.fault(str(key), f'unknown key; known here: {known}')
 
-    def section(self, key: str) -> Section:
+    def section(self, key: str) -> YamlMapping:
         """Return the mapping under a key."""
-        return Section(self.file, self.key(key), self.content[key])
+        return YamlMapping(self.file, self.key(key), self.content[key])
 
-    def sections(self, key: str) -> list[tuple[str, Section]]:
+    def sections(self, key: str) -> list[tuple[str, YamlMapping]]:
         """Return the mappings under a key by their names; none where the key is not there."""
         if key not in self.content:
             return []
@@ -102,26 +101,15 @@ class Section:
         """Return the non-empty text under a key."""
         value = self.content[key]
         if not isinstance(value, str) or not value.strip():
-            raise self.fault(key, f'text expected, {kind_of(value)} given')
+            given = repr(value) if isinstance(value, str) else kind_of(value)
+            raise self.fault(key, f'text expected, {given} given')
         return value.strip()
 
-    def token(self, key: str) -> str:
-        """Return the text under a key that is to be part of topic names."""
-        value = self.text(key)
-        if not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', value):
-            raise self.fault(key, f'{value!r} given; a letter, then letters, digits and _ expected')
-        return value
-
     def names(self, key: str) -> tuple[str, ...]:
-        """Return the list of distinct names under a key."""
+        """Return the list of names under a key."""
         value = self.content[key]
-        if not isinstance(value, list) or not value or not all(isinstance(v, str) for v in value):
+        if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
             raise self.fault(key, f'a list of names expected, {kind_of(value)} given')
-        if len(set(value)) < len(value):
-            raise self.fault(key, 'a name stands twice')
-        for name in value:
-            if not name.isprintable() or ',' in name or not name.strip():
-                raise self.fault(key, f'{name!r} given; a name without a comma expected')
         return tuple(value)
 
     def choice(self, key: str, choices: Iterable[str]) -> str:
@@ -144,13 +132,13 @@ class Section:
         x, y, z = self.numbers(key, 3)
         return x, y, z
 
-    def rows(self, key: str, count: int) -> list[tuple[float, ...]]:
-        """Return the list of `count` points, three numbers each, under a key."""
+    def rows(self, key: str) -> list[tuple[float, ...]]:
+        """Return the list of points, three numbers each, under a key."""
         value = self.content[key]
-        if not isinstance(value, list) or len(value) != count:
-            given = f'a list of {len(value)}' if isinstance(value, list) else kind_of(value)
-            raise self.fault(key, f'a list of {count} points, one for each band, expected, '
-                                  f'{given} given')  # fmt: skip
+        if not isinstance(value, list) or not value:
+            raise self.fault(
+                key, f'a list of points, one for each band, expected, {kind_of(value)} given'
+            )
         return [self._numbers(f'{key}[{i}]', row, 3) for i, row in enumerate(value)]
 
     def _numbers(self, key: str, value: Any, count: int | None) -> tuple[float, ...]:

@@ -27,8 +27,8 @@ from .definition import (
     Sphere,
     frames_of,
 )
-from .file import JOINT_CENTRE
-from .mapping import Section, parsed, text_of
+from .mapping import YamlMapping, parse_yaml, read_text
+from .validity import JOINT_CENTRE
 
 FORMAT = 'linkedplane_ros/subject'
 VERSION = 1
@@ -77,7 +77,7 @@ def scale_of(given: float | str | Path | Sequence[float] | Scale, model: Definit
         return given
     if isinstance(given, (str, Path)):
         if Path(given).suffix in ('.yaml', '.yml'):
-            return measured(parsed(str(given), text_of(Path(given))), model)
+            return measured(parse_yaml(str(given), read_text(Path(given))), model)
         try:
             factors = [float(part) for part in str(given).split(',')]
         except ValueError:
@@ -158,7 +158,7 @@ def stretched(curve: Curve, factors: list[float], s: Floats) -> Curve:
     return Listed(tuple((curve.at(s) * factors).tolist()))
 
 
-def measured(file: Section, model: Definition) -> Scale:
+def measured(file: YamlMapping, model: Definition) -> Scale:
     """Return the factors that best take the model's landmarks to a subject's, by least squares.
 
     Points give a factor for each axis of their bone, distances one for the bone. A bone that was
@@ -190,14 +190,14 @@ def measured(file: Section, model: Definition) -> Scale:
     return Scale(scapula, humerus, basis)
 
 
-def places(file: Section, model: Definition) -> dict[str, Landmark]:
+def places(file: YamlMapping, model: Definition) -> dict[str, Landmark]:
     """Return the model's landmarks by their names."""
     if not model.landmarks:
         raise ModelError(f'{file.file}: the model {model.name} has no landmarks to measure by')
     return {each.name: each for each in model.landmarks}
 
 
-def points(file: Section, model: Definition) -> Iterator[Pair]:
+def points(file: YamlMapping, model: Definition) -> Iterator[Pair]:
     """Yield bone, the model's and the subject's place of each measured landmark."""
     known, given = places(file, model), file.section('points')
     given.allow((), known)
@@ -207,14 +207,14 @@ def points(file: Section, model: Definition) -> Iterator[Pair]:
         raise file.fault('points', 'none given; ' + ', '.join(known) + ' are known')
 
 
-def distances(file: Section, model: Definition) -> Iterator[Pair]:
+def distances(file: YamlMapping, model: Definition) -> Iterator[Pair]:
     """Yield bone, the model's and the subject's distance of each measured pair of landmarks."""
     known = places(file, model)
     listed = file.content['distances']
     if not isinstance(listed, list) or not listed:
         raise file.fault('distances', 'a list of {from: ..., to: ..., length: ...} expected')
     for i, content in enumerate(listed):
-        each = Section(file.file, f'distances[{i}]', content)
+        each = YamlMapping(file.file, f'distances[{i}]', content)
         each.allow(('from', 'to', 'length'))
         ends = [each.choice(key, (*known, JOINT_CENTRE)) for key in ('from', 'to')]
         bones = {known[end].bone for end in ends if end != JOINT_CENTRE}

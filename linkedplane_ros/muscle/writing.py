@@ -9,8 +9,8 @@ import yaml
 
 from ..errors import ModelError
 from .definition import COORDINATES, Curve, Curves, Definition, Listed, Span
-from .file import FORMAT, KEYS, VERSION, defined
-from .mapping import Section
+from .file import FORMAT, KEYS, VERSION
+from .mapping import YamlMapping
 
 GEOMETRY = ('origin', 'insertion', 'sphere', 'plane_angle', 'reference_normal')
 
@@ -99,8 +99,8 @@ def coefficients(definition: Definition) -> dict[str, float]:
     return dict(item for key in GEOMETRY for item in _numbers(key, stated[key]))
 
 
-def with_coefficients(definition: Definition, values: Mapping[str, float]) -> Definition:
-    """Return a definition with other numbers in these places; ModelError as for a file."""
+def with_coefficients(definition: Definition, values: Mapping[str, float]) -> YamlMapping:
+    """Return a definition's content with other numbers in these places; ModelError for others."""
     stated = content(definition)
     known = coefficients(definition)
     for place, value in values.items():
@@ -111,7 +111,7 @@ def with_coefficients(definition: Definition, values: Mapping[str, float]) -> De
         for step in steps:
             here = here[step]
         here[last] = float(value)
-    return defined(Section(definition.name, '', stated))
+    return YamlMapping(definition.name, '', stated)
 
 
 def _numbers(place: str, value: Any) -> Iterator[tuple[str, float]]:

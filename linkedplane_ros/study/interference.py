@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.definition import METRES
-from ..muscle.file import interference_spheres
-from ..muscle.mapping import parsed, text_of
+from ..muscle.file import read_interference_spheres
+from ..muscle.mapping import parse_yaml, read_text
 from ..solver.interference import depths
 from ..types import Floats
 from .experiments import Experiment, simulate_all
@@ -138,12 +138,12 @@ def with_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
     The file has `units: {length: mm}` and the key `interference_spheres` of a model file.
     ModelError names the file and the key of a fault.
     """
-    file = parsed(str(path), text_of(Path(path)))
+    file = parse_yaml(str(path), read_text(Path(path)))
     file.allow(('units', 'interference_spheres'))
     units = file.section('units')
     units.allow(('length',))
     metres = METRES[units.choice('length', METRES)]
-    spheres = interference_spheres(file)
+    spheres = read_interference_spheres(file)
     if not spheres:
         raise file.fault('interference_spheres', 'at least one sphere expected')
     for sphere in spheres:

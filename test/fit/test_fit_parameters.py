@@ -22,7 +22,9 @@ def somewhere(found: Space, seed: int = 0) -> Array:
 
 
 def rebuilt(definition: Definition, found: Space, x: Array) -> Definition:
-    return BroadMuscle.of(definition).with_coefficients(found.coefficients(x)).definition
+    return (
+        BroadMuscle.from_definition(definition).with_coefficients(found.coefficients(x)).definition
+    )
 
 
 @pytest.mark.parametrize(
@@ -44,14 +46,14 @@ def test_the_kernels_muscle_is_that_of_the_written_coefficients(
     model = rebuilt(definition, found, x)
     np.testing.assert_allclose(found.muscle(x), flat_numbers(model), rtol=0.0, atol=ROUNDING)
     same = rebuilt(definition, found, found.start)
-    for place, value in BroadMuscle.of(same).coefficients.items():
-        expected = BroadMuscle.of(definition).coefficients[place]
+    for place, value in BroadMuscle.from_definition(same).coefficients.items():
+        expected = BroadMuscle.from_definition(definition).coefficients[place]
         assert value == pytest.approx(expected, rel=1e-9, abs=1e-9), place
 
 
 def test_every_place_is_one_of_the_models_coefficients() -> None:
     for definition in (DELTOID, LISTED):
-        known = BroadMuscle.of(definition).coefficients
+        known = BroadMuscle.from_definition(definition).coefficients
         mine = set(places(definition)) - {'humeral_point'}
         hm = {f'sphere.humeral_point[{axis}]' for axis in range(3)}
         assert mine | hm == set(known)

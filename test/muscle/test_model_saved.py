@@ -101,7 +101,7 @@ def test_a_changed_coefficient_changes_its_bands() -> None:
     radius = DELTOID.definition.sphere_radius
     assert isinstance(radius, Polynomial)
     larger = Polynomial((*radius.coefficients[:-1], radius.coefficients[-1] + 2.0))
-    muscle = BroadMuscle.of(replace(DELTOID.definition, sphere_radius=larger))
+    muscle = BroadMuscle.from_definition(replace(DELTOID.definition, sphere_radius=larger))
     # m: two of the file's millimetres
     np.testing.assert_allclose(muscle.sphere_radii, DELTOID.sphere_radii + 2e-3, atol=1e-15)
     np.testing.assert_array_equal(muscle.origins, DELTOID.origins)
@@ -111,7 +111,7 @@ def test_a_number_is_changed_by_its_place() -> None:
     muscle = DELTOID.with_coefficients({'sphere.radius[4]': 39.294653, 'plane_angle[0]': 0.0})
     np.testing.assert_allclose(muscle.sphere_radii, DELTOID.sphere_radii + 2e-3, atol=1e-15)
     assert muscle.definition.plane_angle.coefficients[0] == 0.0
-    places = BroadMuscle.of(every_variation()).coefficients
+    places = BroadMuscle.from_definition(every_variation()).coefficients
     for place, value in (
         ('sphere.radius', 2.5),
         ('sphere.centre.x', 9.0),
@@ -122,7 +122,7 @@ def test_a_number_is_changed_by_its_place() -> None:
         ('reference_normal[0]', -0.83),
     ):
         assert places[place] == value
-    for each in (DELTOID, BroadMuscle.of(every_variation())):
+    for each in (DELTOID, BroadMuscle.from_definition(every_variation())):
         assert each.with_coefficients(each.coefficients) == each
 
 
@@ -164,24 +164,6 @@ def test_a_muscle_without_heads_is_its_own_only_head() -> None:
     assert muscle.head_of('anterior_1') == 'deltoid'
 
 
-@pytest.mark.parametrize(
-    ('change', 'told'),
-    [
-        ({'origins': np.zeros((8, 3))}, r'origins: shape \(8, 3\) given, \(9, 3\) expected'),
-        ({'sphere_radii': 1.0}, r'sphere_radii: shape \(\) given, \(9,\) expected'),
-        ({'humeral_point': None}, r'humeral_point: shape \(\) given, \(3,\) expected'),
-        ({'interference_radii': np.zeros(2)}, r'shape \(2,\) given, \(3,\) expected'),
-        ({'sphere_frame': 'sky'}, "'sky' given, one of moving, ground, humerus"),
-        ({'sphere_frame': ('ground',)}, 'sphere_frame: .* 9 of them, expected'),
-        ({'band_names': (), 'heads': ()}, 'band_names: at least one band expected'),
-        ({'range_of_motion': ((0.0, 1.0),)}, r'range_of_motion: shape \(1, 2\) given, \(3, 2\)'),
-    ],
-)
-def test_arrays_that_do_not_fit_are_refused(change: dict, told: str) -> None:
-    with pytest.raises(ModelError, match=told):
-        replace(DELTOID, **change)
-
-
 def test_a_muscle_is_made_of_what_it_takes_and_no_more(tmp_path: Path) -> None:
     muscle = BroadMuscle(
         name='thread',
@@ -207,31 +189,11 @@ def test_the_arrays_of_a_muscle_cannot_be_written_to() -> None:
         DELTOID.origins[0, 0] = 1.0
 
 
-@pytest.mark.parametrize(
-    ('bone', 'at', 'told'),
-    [('wing', (0, 0, 0), "landmark tip: 'wing' given"), ('scapula', (0, 0), r'shape \(2,\) given')],
-)
-def test_a_landmark_that_is_none_is_refused(bone: str, at: tuple, told: str) -> None:
-    with pytest.raises(ModelError, match=told):
-        Landmark('tip', bone, at)
-
-
-@pytest.mark.parametrize(
-    ('change', 'told'),
-    [
-        ({'sphere_radii': -DELTOID.sphere_radii}, 'sphere.radius: .* a radius > 0 expected'),
-        ({'name': 'two words'}, "name: 'two words' given; a letter, then"),
-        ({'source': ' '}, 'source: text expected'),
-        ({'origins': np.full((9, 3), np.nan)}, 'finite'),
-        ({'insertions': DELTOID.origins}, 'ends where it begins'),
-        ({'reference_normal': np.zeros(3)}, 'a vector of some length expected, zero given'),
-        ({'heads': (Head('all', ('nobody',), 'nobody'),)}, "'nobody' is no band"),
-    ],
-)
-def test_what_would_be_refused_is_not_written(change: dict, told: str, tmp_path: Path) -> None:
+def test_what_would_be_read_otherwise_is_not_written(tmp_path: Path) -> None:
     path = tmp_path / 'saved.yaml'
-    with pytest.raises(ModelError, match=told) as caught:
-        replace(DELTOID, **change).to_yaml(path)
+    names = tuple(f' {name}' for name in DELTOID.band_names)
+    with pytest.raises(ModelError, match=r'heads\.deltoid\.represented_by') as caught:
+        replace(DELTOID, band_names=names, heads=()).to_yaml(path)
     assert str(caught.value).startswith(str(path))
     assert not path.exists()
 

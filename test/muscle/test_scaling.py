@@ -27,7 +27,7 @@ FACTORS = np.array((1.1, 0.9, 1.3))
 
 def variations() -> dict[str, BroadMuscle]:
     """Return a muscle with its spheres in each frame."""
-    return {'deltoid': DELTOID, 'all': BroadMuscle.of(every_variation())} | {
+    return {'deltoid': DELTOID, 'all': BroadMuscle.from_definition(every_variation())} | {
         frame: framed(4, frame)[0] for frame in ('moving', 'ground', 'humerus', 'mixed')
     }
 
@@ -103,7 +103,7 @@ def test_a_sphere_in_a_moving_frame_scales_by_the_mean_of_both_bones() -> None:
 
 
 def test_spheres_in_many_frames_each_scale_with_their_own() -> None:
-    muscle = BroadMuscle.of(every_variation())
+    muscle = BroadMuscle.from_definition(every_variation())
     scaled = muscle.scaled(tuple(FACTORS))
     mean = np.prod(FACTORS) ** (1.0 / 3.0)
     for i, frame in enumerate(muscle.sphere_frames):

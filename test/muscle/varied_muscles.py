@@ -38,7 +38,7 @@ MUSCLES: dict[str, Callable[[], BroadMuscle]] = {
     **{name: lambda name=name: BroadMuscle.load(name) for name in bundled_models()},
     'from arrays': lambda: random_muscle(3)[0],
     'of 40 bands': lambda: of_bands(40),
-    'every variation': lambda: BroadMuscle.of(every_variation()),
+    'every variation': lambda: BroadMuscle.from_definition(every_variation()),
     'lists for tuples': lambda: replace(DELTOID, sphere_frame=['humerus', 'ground', 'moving'] * 3),
     'spheres on the ground': lambda: replace(DELTOID, sphere_frame='ground'),
     'no interference': lambda: replace(

@@ -1,0 +1,153 @@
+"""What a broad muscle may be: a file and Python are refused here, for the same reasons."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import FieldError
+from ..types import Floats, Intervals, Point
+
+if TYPE_CHECKING:
+    from .broad_muscle import BroadMuscle
+    from .definition import Head
+
+JOINT_CENTRE = 'joint_centre'  # a landmark of both bones by itself
+SHORTEST = 1e-9  # m, m^2: below, a line or a plane has no direction
+PARALLEL = 1e-6  # sine of the smallest angle between a reference normal and the first band
+
+
+def check_topic_name(field: str, name: Any, owner: str = '') -> None:
+    """Refuse a name that topics cannot begin with."""
+    if not isinstance(name, str) or not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', name):
+        reason = f'{name!r} given; a letter, then letters, digits and _ expected'
+        raise FieldError(field, reason, owner)
+
+
+def check_choice(field: str, value: Any, choices: Sequence[str], owner: str = '') -> None:
+    """Refuse what is not one of the choices."""
+    if not isinstance(value, str) or value not in choices:
+        raise FieldError(field, f'{value!r} given, one of {", ".join(choices)} expected', owner)
+
+
+def check_names(field: str, names: Sequence[str], owner: str = '') -> None:
+    """Refuse names of bands that cannot stand in a list with commas, and none at all."""
+    if not names:
+        raise FieldError(field, 'a list of names expected, an empty one given', owner)
+    check_distinct(field, names, owner)
+    wrong = [name for name in names if not name.isprintable() or ',' in name or not name.strip()]
+    if wrong:
+        raise FieldError(field, f'{wrong[0]!r} given; a name without a comma expected', owner)
+
+
+def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
+    """Refuse names that repeat, and what is no name."""
+    names = list(names)
+    wrong = [name for name in names if not isinstance(name, str)]
+    if wrong:
+        raise FieldError(field, f'{wrong[0]!r} given; a name expected', owner)
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise FieldError(field, f'{twice[0]!r} stands twice; different names expected', owner)
+
+
+def as_text(field: str, value: Any) -> str:
+    """Return text without the blanks around it; FieldError for anything else, and for none."""
+    if not isinstance(value, str) or not value.strip():
+        raise FieldError(field, f'text expected, {value!r} given')
+    return value.strip()
+
+
+def as_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '') -> Floats:
+    """Return a copy as an array of finite numbers of this shape; FieldError for anything else."""
+    try:
+        # None, too, is no number: NumPy alone would take it for NaN
+        array = np.array('' if value is None else value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        given = f'{value!r:.60}'.split('\n')[0]
+        reason = f'{given} given, finite numbers of shape {shape} expected'
+        raise FieldError(field, reason, owner) from None
+    if array.shape != shape:
+        raise FieldError(field, f'shape {array.shape} given, {shape} expected', owner)
+    wrong = np.argwhere(~np.isfinite(array)).tolist()
+    if wrong:
+        where = f' at {wrong[0]}' if wrong[0] else ''
+        number = array[tuple(wrong[0])]
+        raise FieldError(field, f'{number} given{where}, a finite number expected', owner)
+    return array
+
+
+def as_point(field: str, value: Any, owner: str) -> Point:
+    """Return three finite numbers; FieldError for anything else."""
+    x, y, z = as_array(field, value, (3,), owner).tolist()
+    return x, y, z
+
+
+def as_intervals(field: str, value: Any, names: Sequence[str]) -> Intervals:
+    """Return an interval for each name, rad; FieldError for anything else."""
+    limits: list[list[float]] = as_array(field, value, (len(names), 2)).tolist()
+    for name, (low, high) in zip(names, limits, strict=True):
+        if low > high:
+            given = f'{low:.6g} to {high:.6g} rad given'
+            raise FieldError(f'{field}.{name}', f'{given}, the lowest, then the highest expected')
+    return tuple((low, high) for low, high in limits)
+
+
+def check_heads(heads: Sequence[Head], bands: Sequence[str]) -> None:
+    """Refuse heads that do not have every band once."""
+    check_distinct('heads', [head.name for head in heads])
+    left = list(bands)
+    for head in heads:
+        for band in head.bands:
+            if band not in left:
+                reason = f'{band!r} is no band, or one of another head'
+                raise FieldError(f'heads.{head.name}.bands', reason)
+            left.remove(band)
+    if left:
+        raise FieldError('heads', f'no head has the band {left[0]!r}')
+
+
+def check_landmarks(names: Sequence[str]) -> None:
+    """Refuse landmarks of one name, and the one that every model has."""
+    check_distinct('landmarks', names)
+    if JOINT_CENTRE in names:
+        reason = 'is the origin of both bones, and there already'
+        raise FieldError(f'landmarks.{JOINT_CENTRE}', reason)
+
+
+def check_geometry(muscle: BroadMuscle) -> None:
+    """Refuse what has no geometry: a radius that is not positive, a band without a plane."""
+    names, origins = muscle.band_names, muscle.origins
+    if not np.linalg.norm(muscle.reference_normal) > 0.0:
+        raise FieldError('reference_normal', 'a vector of some length expected, zero given')
+    flat = np.flatnonzero(muscle.sphere_radii <= 0.0)
+    if flat.size:
+        reason = f'{muscle.sphere_radii[flat[0]]:.6g} m for band {names[flat[0]]}'
+        raise FieldError('sphere_radii', f'{reason}, a radius > 0 expected')
+    lines = muscle.insertions - origins
+    sizes = np.linalg.norm(lines, axis=1)
+    short = np.flatnonzero(sizes <= SHORTEST)
+    if short.size:
+        reason = f'band {names[short[0]]} ends where it begins (arm at the side)'
+        raise FieldError('insertions', reason)
+    if np.linalg.norm(np.cross(muscle.reference_normal, lines[0] / sizes[0])) < PARALLEL:
+        reason = f'parallel to the first band, {names[0]} (arm at the side): its plane is undefined'
+        raise FieldError('reference_normal', reason)
+    if muscle.ground_point is not None and muscle.humeral_point is not None:
+        check_moving_frames(muscle, np.cross(muscle.humeral_point - origins,
+                                             muscle.ground_point - origins))  # fmt: skip
+
+
+def check_moving_frames(muscle: BroadMuscle, across: Floats) -> None:
+    """Refuse SC in line with HM and a band's origin; `across` (n, 3) is normal to these, m^2."""
+    moving = np.array(muscle.sphere_frames) == 'moving'
+    flat = np.flatnonzero(moving & (np.linalg.norm(across, axis=1) <= SHORTEST))
+    if flat.size:
+        reason = (
+            f'in line with humeral_point and the origin of band {muscle.band_names[flat[0]]}: '
+            "the sphere's frame is undefined"
+        )
+        raise FieldError('ground_point', reason)
