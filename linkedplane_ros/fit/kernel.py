@@ -7,13 +7,12 @@ a model then stands in it as it is, and the sequence is linear in all of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import cos, inf, sin
 from typing import Any
 
 from ..linked_planes.band import PIERCED
 from ..linked_planes.chain import Band, Section, bands_at, plane_at, state_at
-from ..linked_planes.compiled import compiled, entry, fingerprint
+from ..linked_planes.compiled import compiled, entry
 from ..linked_planes.layout import (
     COS_PHI,
     GROUND,
@@ -98,77 +97,66 @@ def past_edge(section: Section, d: float, b: float) -> float:
     return min(b, abs(d) - section.R)
 
 
-def make_evaluate(sources: str) -> Callable[..., tuple[int, float]]:
-    """Return `evaluate` as of the given state of the sources."""
+@entry
+def evaluate(
+    muscle: Muscle,
+    rotations: Any,
+    spheres: Any,
+    lengths: Any,
+    moments: Any,
+    states: Any,
+    depths: Any,
+    insides: Any,
+    edges: Any,
+    gaps: Any,
+    spacing: Any,
+) -> tuple[int, float]:
+    """Fill in the muscle's states at m poses; the flat muscle is changed.
 
-    @entry
-    def evaluate(
-        muscle: Muscle,
-        rotations: Any,
-        spheres: Any,
-        lengths: Any,
-        moments: Any,
-        states: Any,
-        depths: Any,
-        insides: Any,
-        edges: Any,
-        gaps: Any,
-        spacing: Any,
-    ) -> tuple[int, float]:
-        """Fill in the muscle's states at m poses; the flat muscle is changed.
+    Lengths and moments as `solve_poses`, for the first poses, as many as they have rows; wrap
+    states (m, n); how deep each band enters the interference spheres and how deep its ends lie
+    in its own obstacle sphere (m, n), m; how far it is past the edge where its length jumps
+    (m, n), m; gaps (m, n - 1), m: by how much each band's middle lies on the far side of the
+    one before, seen from the joint's centre outwards; spacing (n - 1,), m: how far apart the
+    origins of neighbours are.
 
-        Lengths and moments as `solve_poses`, for the first poses, as many as they have rows; wrap
-        states (m, n); how deep each band enters the interference spheres and how deep its ends lie
-        in its own obstacle sphere (m, n), m; how far it is past the edge where its length jumps
-        (m, n), m; gaps (m, n - 1), m: by how much each band's middle lies on the far side of the
-        one before, seen from the joint's centre outwards; spacing (n - 1,), m: how far apart the
-        origins of neighbours are.
-
-        Returns how many poses were solved and, if that is none because an end of a band lies in
-        its sphere at any pose, how deep, m.
-        """
-        _ = sources  # closed over, see compiled.fingerprint
-        n = band_count(muscle)
-        prepare(muscle)
-        most = -inf
-        for i in range(n):
-            most = max(most, end_inside(muscle, i))
-        if most >= 0.0:
-            return 0, most
-        bands = bands_at(muscle, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    Returns how many poses were solved and, if that is none because an end of a band lies in
+    its sphere at any pose, how deep, m.
+    """
+    n = band_count(muscle)
+    prepare(muscle)
+    most = -inf
+    for i in range(n):
+        most = max(most, end_inside(muscle, i))
+    if most >= 0.0:
+        return 0, most
+    bands = bands_at(muscle, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    if len(bands) < n:
+        return 0, 0.0
+    neutral = solve_theta(bands, 0.0)[0]
+    for i in range(1, n):
+        origin, before = band_vectors(muscle, i)[0], band_vectors(muscle, i - 1)[0]
+        spacing[i - 1] = norm(minus(origin, before))
+    for j in range(len(rotations)):
+        rotation = rows_of(rotations[j])
+        bands = bands_at(muscle, rotation)
         if len(bands) < n:
-            return 0, 0.0
-        neutral = solve_theta(bands, 0.0)[0]
-        for i in range(1, n):
-            origin, before = band_vectors(muscle, i)[0], band_vectors(muscle, i - 1)[0]
-            spacing[i - 1] = norm(minus(origin, before))
-        for j in range(len(rotations)):
-            rotation = rows_of(rotations[j])
-            bands = bands_at(muscle, rotation)
-            if len(bands) < n:
-                return j, 0.0
-            theta, held = solve_theta(bands, neutral)
-            c, s = cos(theta), sin(theta)
-            if j < len(lengths):
-                muscle_state(
-                    muscle, rotation, bands, theta, held, lengths[j], moments[j], states[j]
-                )
-            middle, along = ZERO, ZERO
-            for i in range(n):
-                band = bands[i]
-                d, b, _, _ = plane_at(band.section, c, s)
-                states[j, i] = state_at(band.section, d, b, i == held)
-                path = path_of(band, c, s, states[j, i])
-                depths[j, i] = deepest(path, spheres)
-                insides[j, i] = inside(band)
-                edges[j, i] = past_edge(band.section, d, b)
-                before, side = middle, cross(along, middle)
-                middle, along = halfway(path)
-                if i > 0:
-                    gaps[j, i - 1] = dot(minus(middle, before), side) / max(norm(side), 1e-9)
-        return len(rotations), 0.0
-
-    return evaluate
-
-
-evaluate = make_evaluate(fingerprint())
+            return j, 0.0
+        theta, held = solve_theta(bands, neutral)
+        c, s = cos(theta), sin(theta)
+        if j < len(lengths):
+            muscle_state(muscle, rotation, bands, theta, held, lengths[j], moments[j], states[j])
+        middle, along = ZERO, ZERO
+        for i in range(n):
+            band = bands[i]
+            d, b, _, _ = plane_at(band.section, c, s)
+            states[j, i] = state_at(band.section, d, b, i == held)
+            path = path_of(band, c, s, states[j, i])
+            depths[j, i] = deepest(path, spheres)
+            insides[j, i] = inside(band)
+            edges[j, i] = past_edge(band.section, d, b)
+            before, side = middle, cross(along, middle)
+            middle, along = halfway(path)
+            if i > 0:
+                gaps[j, i - 1] = dot(minus(middle, before), side) / max(norm(side), 1e-9)
+    return len(rotations), 0.0

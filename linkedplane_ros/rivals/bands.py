@@ -7,28 +7,22 @@ insertions in the humerus frame, a pose the rotation that takes humerus to scapu
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from ..linked_planes.compiled import COMPILED, fingerprint
+from ..linked_planes.compiled import COMPILED
 from ..linked_planes.vectors import Vector
 from ..solver.kernels import SOLVED
 from ..solver.linked_plane_solver import FAULTS, WrapState, in_parts, one_rotation, rotations_of
 from ..types import Floats
-from .path import ARC_NUMBERS, ArcsOf, PathOf, make_solve, write_arcs
+from .path import ARC_NUMBERS, Kernel
 
 Bone = Literal['scapula', 'humerus']
 BONES = ('scapula', 'humerus')
-Kernel = Callable[..., tuple[int, int, int]]
-
-
-def kernel_of(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> Kernel:
-    """Return the kernel of a method, as of the state of the sources that are loaded so far."""
-    return make_solve(path_of, arcs_of, fingerprint())
 
 
 @dataclass(frozen=True)

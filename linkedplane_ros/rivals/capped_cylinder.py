@@ -17,7 +17,6 @@ from typing import Literal, NamedTuple
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
 from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
-from .bands import kernel_of
 from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, tube_at, way_round
 from .path import (
     NO_ARC,
@@ -28,6 +27,7 @@ from .path import (
     Rotation,
     Row,
     ends,
+    make_kernel,
     moment_of,
     on_arc,
     straight_path,
@@ -251,7 +251,7 @@ class CappedCylinder(RoundAnAxis):
 
     turn: Turn = 'right-handed'
     """How the band turns about the axis on the cylinder: the cap alone is taken the short way."""
-    kernel = kernel_of(capped_cylinder)
+    kernel = make_kernel(capped_cylinder)
 
     def __post_init__(self) -> None:
         """Check the fields; ValueError names the one at fault."""

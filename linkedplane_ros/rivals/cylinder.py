@@ -25,7 +25,6 @@ from .bands import (
     check_bone,
     check_point,
     check_radius,
-    kernel_of,
     on_humerus,
     unit,
 )
@@ -38,6 +37,7 @@ from .path import (
     Rotation,
     Row,
     ends,
+    make_kernel,
     moment_of,
     on_arc,
     placed,
@@ -187,4 +187,4 @@ class Cylinder(RoundAnAxis):
     side, so straight; INSIDE where an end lies in it.
     """
 
-    kernel = kernel_of(cylinder)
+    kernel = make_kernel(cylinder)

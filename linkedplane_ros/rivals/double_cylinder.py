@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Vector, dot, minus, mix, norm
-from .bands import Bone, kernel_of
+from .bands import Bone
 from .cylinder import (
     CYLINDER_SIZE,
     RoundAnAxis,
@@ -27,7 +27,7 @@ from .cylinder import (
     tube_at,
     way_round,
 )
-from .path import OBSTACLE, ZERO, Path, Rotation, Row, ends, moment_of, straight_path
+from .path import OBSTACLE, ZERO, Path, Rotation, Row, ends, make_kernel, moment_of, straight_path
 
 ROUNDS = 100
 SETTLING = 40  # rounds after which a cylinder that is not touched is dropped for good
@@ -108,7 +108,7 @@ class DoubleCylinder(RoundAnAxis):
     second_axis: Vector
     second_radius: float
     second_bone: Bone
-    kernel = kernel_of(double_cylinder)
+    kernel = make_kernel(double_cylinder)
 
     def __post_init__(self) -> None:
         """Check the fields; ValueError names the one at fault."""

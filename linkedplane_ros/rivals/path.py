@@ -17,7 +17,6 @@ from ..solver.kernels import SOLVED, rotation_fault, rows_of
 
 Row = list[float]
 Rotation = tuple[Vector, Vector, Vector]  # by rows
-Three = tuple[int, int, int]
 
 ROW_ORIGIN, ROW_INSERTION, OBSTACLE = 0, 3, 6  # where numbers start in a row
 ZERO = (0.0, 0.0, 0.0)
@@ -132,10 +131,11 @@ def write_arcs(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None:
 
 PathOf = Callable[[Row, Rotation], Path]
 ArcsOf = Callable[[Row, Rotation, Path, Any], None]
+Kernel = Callable[..., tuple[int, int, int]]
 
 
-def make_solve(path_of: PathOf, arcs_of: ArcsOf, sources: str) -> Callable[..., Three]:
-    """Return the kernel that solves bands of one method, as of the given state of the sources."""
+def make_kernel(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> Kernel:
+    """Return the kernel that solves bands of one method."""
 
     @entry
     def solve(
@@ -148,14 +148,13 @@ def make_solve(path_of: PathOf, arcs_of: ArcsOf, sources: str) -> Callable[..., 
         states: Any,
         contacts: Any,
         arcs: Any,
-    ) -> Three:
+    ) -> tuple[int, int, int]:
         """Fill in the bands (n) at the poses from start to stop.
 
         Moments are (m, 3 n); arcs, as `write_arcs` has them, (m, n, k), or (m, n, 0) for none.
         Returns as `kernels.solve_poses`: the first pose that is no rotation and why, or stop,
         SOLVED and 0.
         """
-        _ = sources  # closed over, see compiled.fingerprint
         for k in range(start, stop):
             rotation = rows_of(rotations[k])
             fault = rotation_fault(rotation)

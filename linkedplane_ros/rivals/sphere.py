@@ -14,7 +14,7 @@ from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind,
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, times
-from .bands import Bone, PathModel, check_bone, check_point, check_radius, kernel_of, on_humerus
+from .bands import Bone, PathModel, check_bone, check_point, check_radius, on_humerus
 from .path import (
     NO_ARC,
     OBSTACLE,
@@ -25,6 +25,7 @@ from .path import (
     Row,
     across,
     ends,
+    make_kernel,
     moment_of,
     placed,
     straight_path,
@@ -70,7 +71,7 @@ class Sphere(PathModel):
     """In the frame of its bone."""
     radius: float
     bone: Bone
-    kernel = kernel_of(sphere)
+    kernel = make_kernel(sphere)
 
     def __post_init__(self) -> None:
         """Check the fields; ValueError names the one at fault."""

@@ -9,8 +9,20 @@ from ..linked_planes.band import CLEAR, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Vector, cross, minus, norm, times, turned
-from .bands import PathModel, check_point, kernel_of
-from .path import NO_ARC, OBSTACLE, ZERO, Arc, Path, Rotation, Row, ends, straight_path, write_arc
+from .bands import PathModel, check_point
+from .path import (
+    NO_ARC,
+    OBSTACLE,
+    ZERO,
+    Arc,
+    Path,
+    Rotation,
+    Row,
+    ends,
+    make_kernel,
+    straight_path,
+    write_arc,
+)
 
 
 @compiled
@@ -66,7 +78,7 @@ def write_points(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None
 class Straight(PathModel):
     """A straight line from origin to insertion. Always CLEAR: there is nothing to wrap."""
 
-    kernel = kernel_of(straight)
+    kernel = make_kernel(straight)
 
     def _obstacle(self) -> tuple[float, ...]:
         return ()
@@ -84,7 +96,7 @@ class ViaPoints(PathModel):
     """From the origin on; scapula frame."""
     on_humerus: tuple[Vector, ...] = ()
     """After those, up to the insertion; humerus frame."""
-    kernel = kernel_of(via_points, write_points)
+    kernel = make_kernel(via_points, write_points)
     arcs_are_points = True
 
     def __post_init__(self) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import cos, isfinite, sin
 from typing import Any
 
 from ..joints.conventions import turn_in_sequence
 from ..linked_planes.band import WRAPPED, wrap
 from ..linked_planes.chain import bands_at, plane_at
-from ..linked_planes.compiled import compiled, entry, fingerprint
+from ..linked_planes.compiled import compiled, entry
 from ..linked_planes.layout import Muscle, band_count, band_vectors
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
@@ -43,141 +42,115 @@ def rotation_fault(rotation: tuple[Vector, Vector, Vector]) -> int:
     return REFLECTION if dot(cross(x, y), z) < 0.0 else SOLVED
 
 
-def make_solve_poses(sources: str) -> Callable[..., tuple[int, int, int]]:
-    """Return `solve_poses` as of the given state of the sources."""
+@entry
+def solve_poses(
+    muscle: Muscle,
+    neutral: float,
+    rotations: Any,
+    start: int,
+    stop: int,
+    thetas: Any,
+    lengths: Any,
+    moments: Any,
+    states: Any,
+) -> tuple[int, int, int]:
+    """Fill in the states of the poses from start to stop.
 
-    @entry
-    def solve_poses(
-        muscle: Muscle,
-        neutral: float,
-        rotations: Any,
-        start: int,
-        stop: int,
-        thetas: Any,
-        lengths: Any,
-        moments: Any,
-        states: Any,
-    ) -> tuple[int, int, int]:
-        """Fill in the states of the poses from start to stop.
-
-        Returns the first pose that has none, why (NOT_FINITE ...), and for NO_PLANE which band; or
-        stop, SOLVED and 0.
-        """
-        _ = sources  # closed over, see compiled.fingerprint
-        for k in range(start, stop):
-            rotation = rows_of(rotations[k])
-            fault = rotation_fault(rotation)
-            if fault != SOLVED:
-                return k, fault, 0
-            bands = bands_at(muscle, rotation)
-            if len(bands) < band_count(muscle):
-                return k, NO_PLANE, len(bands)
-            theta, held = solve_theta(bands, neutral)
-            thetas[k] = theta
-            muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k])
-        return stop, SOLVED, 0
-
-    return solve_poses
+    Returns the first pose that has none, why (NOT_FINITE ...), and for NO_PLANE which band; or
+    stop, SOLVED and 0.
+    """
+    for k in range(start, stop):
+        rotation = rows_of(rotations[k])
+        fault = rotation_fault(rotation)
+        if fault != SOLVED:
+            return k, fault, 0
+        bands = bands_at(muscle, rotation)
+        if len(bands) < band_count(muscle):
+            return k, NO_PLANE, len(bands)
+        theta, held = solve_theta(bands, neutral)
+        thetas[k] = theta
+        muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k])
+    return stop, SOLVED, 0
 
 
-def make_answer(sources: str) -> Callable[..., tuple[int, int, int]]:
-    """Return `answer` as of the given state of the sources."""
+@entry
+def answer(
+    muscle: Muscle,
+    neutral: float,
+    units: Any,
+    mix: Any,
+    angles: Any,
+    speeds: Any,
+    mirror: float,
+    rotation: Any,
+    axes: Any,
+    theta: Any,
+    lengths: Any,
+    moments: Any,
+    states: Any,
+    arms: Any,
+    lengthening: Any,
+) -> tuple[int, int, int]:
+    """Fill in all that the node answers to one triple of angles; return as `solve_poses`.
 
-    @entry
-    def answer(
-        muscle: Muscle,
-        neutral: float,
-        units: Any,
-        mix: Any,
-        angles: Any,
-        speeds: Any,
-        mirror: float,
-        rotation: Any,
-        axes: Any,
-        theta: Any,
-        lengths: Any,
-        moments: Any,
-        states: Any,
-        arms: Any,
-        lengthening: Any,
-    ) -> tuple[int, int, int]:
-        """Fill in all that the node answers to one triple of angles; return as `solve_poses`.
-
-        The rotation is (1, 3, 3), lengths, moments and states have a leading 1; mirror is -1 for
-        the left shoulder, whose axes and moments are (x, -y, -z).
-        """
-        _ = sources  # closed over, see compiled.fingerprint
-        turn_in_sequence(units, mix, angles, rotation[0], axes)
-        done = solve_poses(muscle, neutral, rotation, 0, 1, theta, lengths, moments, states)
+    The rotation is (1, 3, 3), lengths, moments and states have a leading 1; mirror is -1 for
+    the left shoulder, whose axes and moments are (x, -y, -z).
+    """
+    turn_in_sequence(units, mix, angles, rotation[0], axes)
+    done = solve_poses(muscle, neutral, rotation, 0, 1, theta, lengths, moments, states)
+    for j in range(3):
+        axes[1, j] *= mirror
+        axes[2, j] *= mirror
+    for i in range(len(lengthening)):
+        x = moments[0, 3 * i]
+        y = moments[0, 3 * i + 1] * mirror
+        z = moments[0, 3 * i + 2] * mirror
+        moments[0, 3 * i + 1], moments[0, 3 * i + 2] = y, z
+        lengthening[i] = 0.0
         for j in range(3):
-            axes[1, j] *= mirror
-            axes[2, j] *= mirror
-        for i in range(len(lengthening)):
-            x = moments[0, 3 * i]
-            y = moments[0, 3 * i + 1] * mirror
-            z = moments[0, 3 * i + 2] * mirror
-            moments[0, 3 * i + 1], moments[0, 3 * i + 2] = y, z
-            lengthening[i] = 0.0
-            for j in range(3):
-                arms[i, j] = x * axes[0, j] + y * axes[1, j] + z * axes[2, j]
-                lengthening[i] -= arms[i, j] * speeds[j]
-        return done
-
-    return answer
+            arms[i, j] = x * axes[0, j] + y * axes[1, j] + z * axes[2, j]
+            lengthening[i] -= arms[i, j] * speeds[j]
+    return done
 
 
-def make_draw(sources: str) -> Callable[..., None]:
-    """Return `draw` as of the given state of the sources."""
+@entry
+def draw(
+    muscle: Muscle,
+    rotation: Any,
+    theta: float,
+    states: Any,
+    insertions: Any,
+    centres: Any,
+    arcs: Any,
+) -> None:
+    """Fill in insertions (n, 3), sphere centres (n, 3) and arcs (n, points, 3); m, ground.
 
-    @entry
-    def draw(
-        muscle: Muscle,
-        rotation: Any,
-        theta: float,
-        states: Any,
-        insertions: Any,
-        centres: Any,
-        arcs: Any,
-    ) -> None:
-        """Fill in insertions (n, 3), sphere centres (n, 3) and arcs (n, points, 3); m, ground.
-
-        An arc runs from the first transition point Q to the second, T; a straight band's is left
-        as it was.
-        """
-        _ = sources  # closed over, see compiled.fingerprint
-        bands = bands_at(muscle, rows_of(rotation))
-        c, s = cos(theta), sin(theta)
-        for i in range(len(bands)):
-            band = bands[i]
-            C = plus(band_vectors(muscle, i)[0], band.p)
+    An arc runs from the first transition point Q to the second, T; a straight band's is left
+    as it was.
+    """
+    bands = bands_at(muscle, rows_of(rotation))
+    c, s = cos(theta), sin(theta)
+    for i in range(len(bands)):
+        band = bands[i]
+        C = plus(band_vectors(muscle, i)[0], band.p)
+        for axis in range(3):
+            insertions[i][axis] = band.S[axis]
+            centres[i][axis] = C[axis]
+        if states[i] != WRAPPED:
+            continue
+        n = mix(c, band.A, s, band.B)
+        n = times(1.0 / norm(n), n)
+        e = cross(band.u, n)
+        section = band.section
+        d, b, _, _ = plane_at(section, c, s)
+        r, arc, t1u, t1e, _, _ = wrap(section.D, section.a, section.tP, section.tS, section.R, d, b)
+        centre = mix(1.0, C, -d, n)
+        points = len(arcs[i])
+        for j in range(points):
+            # from the centre to Q: t1 turned a quarter to the bulge; then on along the arc
+            turn = arc * j / (points - 1)
+            along = t1u * sin(turn) - t1e * cos(turn)
+            aside = t1u * cos(turn) + t1e * sin(turn)
+            point = plus(centre, mix(r * along, band.u, r * aside, e))
             for axis in range(3):
-                insertions[i][axis] = band.S[axis]
-                centres[i][axis] = C[axis]
-            if states[i] != WRAPPED:
-                continue
-            n = mix(c, band.A, s, band.B)
-            n = times(1.0 / norm(n), n)
-            e = cross(band.u, n)
-            section = band.section
-            d, b, _, _ = plane_at(section, c, s)
-            r, arc, t1u, t1e, _, _ = wrap(
-                section.D, section.a, section.tP, section.tS, section.R, d, b
-            )
-            centre = mix(1.0, C, -d, n)
-            points = len(arcs[i])
-            for j in range(points):
-                # from the centre to Q: t1 turned a quarter to the bulge; then on along the arc
-                turn = arc * j / (points - 1)
-                along = t1u * sin(turn) - t1e * cos(turn)
-                aside = t1u * cos(turn) + t1e * sin(turn)
-                point = plus(centre, mix(r * along, band.u, r * aside, e))
-                for axis in range(3):
-                    arcs[i][j][axis] = point[axis]
-
-    return draw
-
-
-_sources = fingerprint()
-solve_poses = make_solve_poses(_sources)
-answer = make_answer(_sources)
-draw = make_draw(_sources)
+                arcs[i][j][axis] = point[axis]

@@ -83,29 +83,44 @@ from .compiled import compiled
 def factor():
     return {}
 """
-CALLING = """
-from .compiled import entry, fingerprint
+BETWEEN = """
 from .called import factor
+from .compiled import compiled
 
-def make(sources):
+@compiled
+def total(x):
+    return sum([factor() * each for each in (x, {} * x)])
+"""
+SCALE = 'SCALE = {}'
+CALLING = """
+from .between import total
+from .compiled import entry
+from .scale import SCALE
+
+def make_kernel(called):
     @entry
-    def doubled(x):
-        _ = sources
-        return factor() * x
-    return doubled
+    def kernel(x):
+        return SCALE * called(x)
+    return kernel
 
-doubled = make(fingerprint())
+doubled = make_kernel(total)
 """
 
 
-def test_a_kernel_is_renewed_when_one_that_it_calls_changes_and_only_then(
+def test_a_kernel_is_renewed_when_what_it_uses_changes_and_only_then(
     installed: Path, tmp_path: Path
 ) -> None:
     package = installed / 'small'
     (package / 'called.py').write_text(CALLED.format('2.0'))
+    (package / 'between.py').write_text(BETWEEN.format('0.0'))
+    (package / 'scale.py').write_text(SCALE.format('1.0'))
     (package / 'kernel.py').write_text(CALLING)
     assert [report(installed, tmp_path) for _ in range(2)] == ['3.0 0', '3.0 1']
     (package / 'other.py').write_text('x = 1\n')
     assert report(installed, tmp_path) == '3.0 1'
     (package / 'called.py').write_text(CALLED.format('4.0'))
     assert [report(installed, tmp_path) for _ in range(2)] == ['6.0 0', '6.0 1']
+    (package / 'between.py').write_text(BETWEEN.format('1.0'))
+    assert [report(installed, tmp_path) for _ in range(2)] == ['12.0 0', '12.0 1']
+    (package / 'scale.py').write_text(SCALE.format('2.0'))
+    assert [report(installed, tmp_path) for _ in range(2)] == ['24.0 0', '24.0 1']

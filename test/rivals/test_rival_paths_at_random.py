@@ -14,7 +14,7 @@ from random_bands import MODELS, Model, many, rotations, slopes, turned
 from reference import Array
 from scipy.spatial.transform import Rotation
 
-from linkedplane_ros import WrapState
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.linked_planes.compiled import COMPILED
 from linkedplane_ros.rivals import (
     Bands,
@@ -187,12 +187,16 @@ def test_compiled_and_uncompiled_rivals_agree(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not COMPILED, reason='numba is not installed or LINKEDPLANE_COMPILE is 0')
 def test_the_rivals_make_no_kernel_of_the_solver_compile_anew() -> None:
-    """Kernels are kept under the state of the sources that were loaded before them."""
-    orders = ('linkedplane_ros.solver.kernels', 'linkedplane_ros.rivals.sphere')
-    states = set()
-    for first in orders:
-        code = f'import {first}, linkedplane_ros.solver.kernels as k; print(k._sources)'
-        run = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
-        assert run.returncode == 0, run.stderr
-        states.add(run.stdout)
-    assert len(states) == 1
+    code = (
+        'import {}\n'
+        'from linkedplane_ros import BroadMuscle, LinkedPlaneSolver\n'
+        'from linkedplane_ros.solver.kernels import solve_poses\n'
+        'LinkedPlaneSolver(BroadMuscle.load("deltoid"))\n'
+        'print(sum(solve_poses.stats.cache_hits.values()))'
+    )
+    LinkedPlaneSolver(BroadMuscle.load('deltoid'))  # from now on the cache has the kernels
+    for first in ('linkedplane_ros.solver.kernels', 'linkedplane_ros.rivals'):
+        run = subprocess.run(
+            [sys.executable, '-c', code.format(first)], capture_output=True, text=True
+        )
+        assert run.stdout == '1\n', run.stderr
