@@ -14,6 +14,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from linkedplane_ros.processing.cdr import JointStates
+from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run
 from linkedplane_ros.recordings.bags import JOINT_STATE
 
@@ -129,7 +130,7 @@ def measure() -> dict[str, dict[str, float]]:
             ('motion.mot', '.csv'),
             ('motion.csv', '.csv'),
         ):
-            task = Task(folder / source, folder / f'out{ending}', force=True)
+            task = Task(folder / source, folder / f'out{ending}', Options(force=True))
             copied = folder / f'copy{ending}'
             again = folder / f'again{Path(source).suffix}'
             times: dict[str, list[float]] = {'processing': [], 'result': [], 'source': []}

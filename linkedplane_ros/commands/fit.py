@@ -16,6 +16,7 @@ from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.validity import check_topic_name
 from ..solver.check import DEFAULT_RANGE
+from .progress import ProgressBar
 from .values import (
     finite_number,
     non_negative_number,
@@ -311,16 +312,21 @@ def _searched(
 ) -> Found:
     """Return what the fit finds; tells how far it is, and keeps its state on disk."""
     from ..fit.fitting import fit
-    from ..fit.progress import bar
 
-    with bar(plan) as shown:
+    total = plan.rounds * plan.generations
+    with ProgressBar(total) as bar:
 
-        def tell(progress: Progress, search: Search) -> None:
+        def follow(progress: Progress, search: Search) -> None:
             checkpoint.offer(search)
-            shown(progress)
+            completed = progress.round * plan.generations + progress.generation
+            bar.update(
+                completed,
+                f'round {min(progress.round + 1, plan.rounds)}: {completed} of {total} '
+                f'generations, best {progress.best:,.2f} mm²',
+            )
 
         try:
-            return fit(criterion, plan, watch, state, jobs, tell)
+            return fit(criterion, plan, watch, state, jobs, follow)
         except KeyboardInterrupt:
             if checkpoint.written:
                 print(f'linkedplane: stopped; {checkpoint.path} is there for --resume',

@@ -6,11 +6,14 @@ import argparse
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS
+from .progress import ProgressBar
 from .values import add_muscle, add_scale, add_side, positive_count, positive_number, sign
 
 if TYPE_CHECKING:
@@ -24,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add('inputs', nargs='+', metavar='INPUT',
         help='bags, .mot, .sto or .csv files, folders of them, or patterns like *.mot')
     add('out', metavar='OUT', help='a bag, .csv or .parquet; a folder for several inputs')
-    add('--format', choices=('bag', 'csv', 'parquet'),
+    add('--format', dest='kind', choices=('bag', 'csv', 'parquet'),
         help="of the output (default: by OUT's ending, else bag)")
     add('--force', action='store_true', help='replace an output that exists')
 
@@ -38,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='1 or -1 for each joint: angle = sign * recorded + offset (default: 1 1 1)')
     add('--offsets', nargs=3, type=float, metavar='RAD',
         help="added to each joint's angle, rad (default: 0 0 0)")
-    add('--degrees', action='store_true',
+    add('--degrees', action='store_true', default=None,
         help="the table's angles are in degrees (default: as the file says, else rad)")
     add('--topic', metavar='NAME',
         help='the topic of joint states in a bag (default: /joint_states, or the only one)')
@@ -82,77 +85,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
-    from ..processing.inputs import recordings
-    from ..processing.inputs import tasks as tasks_of
+    from ..processing.inputs import make_tasks, recordings
+    from ..processing.options import Options
     from ..processing.workers import run_all
-    from ..recordings.frames import Bones
 
-    if args.rhythm is not None and args.thorax is None:
-        raise ValueError('--rhythm: for angles against the thorax alone (--thorax)')
-    if (args.humerus is None) != (args.scapula is None and args.thorax is None):
-        raise ValueError('--humerus NAME goes with --scapula NAME or --thorax NAME')
-    if '' in (args.humerus, args.scapula, args.thorax):
-        raise ValueError('--humerus, --scapula, --thorax: a name expected')
-    if args.humerus is None and args.frame_axes is not None:
-        raise ValueError('--frame-axes: for poses alone (--humerus)')
-    for option, given in (
-        ('--joints', args.joints),
-        ('--signs', args.signs),
-        ('--offsets', args.offsets),
-        ('--topic', args.topic),
-        ('--degrees', args.degrees or None),
-    ):
-        if args.humerus is not None and given is not None:
-            raise ValueError(f'{option}: for joint angles alone, not for poses (--humerus)')
-    bones = args.humerus and Bones(
-        args.humerus, args.scapula, args.thorax, args.frame_axes or 'model', args.rhythm or 2.0
-    )
-    if args.thorax is not None:
+    options = Options(**{field.name: getattr(args, field.name) for field in fields(Options)})
+    if options.bones is not None and options.thorax is not None:
         print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
-              f'{bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
-    options = {
-        'bones': bones,
-        'kind': args.format,
-        'muscle': args.muscle,
-        'scale': args.scale,
-        'side': args.side,
-        'convention': args.convention,
-        'joints': tuple(args.joints or ()),
-        'signs': tuple(args.signs or (1.0, 1.0, 1.0)),
-        'offsets': tuple(args.offsets or (0.0, 0.0, 0.0)),
-        'degrees': True if args.degrees else None,
-        'topic': args.topic,
-        'frame_id': args.frame_id,
-        'rate': args.rate,
-        'lowpass': args.lowpass,
-        'differentiate': args.differentiate,
-        'markers': args.markers,
-        'force': args.force,
-    }
+              f'{options.bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
+    out = Path(args.out)
     sources, faults = recordings(args.inputs)
     alone = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]
-    tasks, clashes = tasks_of(sources, Path(args.out), alone, **options)
+    tasks, clashes = make_tasks(sources, out, alone, options)
     faults += clashes
     for fault in faults:
         print(f'linkedplane: {fault}', file=sys.stderr)
-    if tasks and not (alone and tasks[0].target == Path(args.out)):
+    if tasks and not (alone and tasks[0].target == out):
         try:
-            Path(args.out).mkdir(parents=True, exist_ok=True)
+            out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise ValueError(f'{args.out}: no folder to write into: {error.strerror}') from None
+            raise LinkedPlaneError(f'{out}: no folder to write into: {error.strerror}') from None
     failed = 0
-    with ended_like_interrupted(), Bar() as bar:
-        for report in run_all(tasks, args.jobs, args.dask, bar.show):
+    with sigterm_as_exit(), ProgressBar() as bar:
+
+        def show_progress(frames: int, share: float) -> None:
+            bar.update(share, f'{frames:,} frames')
+
+        for report in run_all(tasks, args.jobs, args.dask, show_progress):
             failed += bool(report.fault)
-            with bar.aside():
-                tell(report)
+            with bar.paused():
+                print_report(report)
     if len(tasks) > 1:
-        print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {args.out}')
+        print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {out}')
     if failed or faults:
         raise SystemExit(1)
 
 
-def tell(report: Report) -> None:
+def print_report(report: Report) -> None:
     """Print what has become of a recording: a line, and one for each kind of refused frame."""
     task = report.task
     if report.fault:
@@ -171,8 +140,8 @@ def tell(report: Report) -> None:
 
 
 @contextmanager
-def ended_like_interrupted() -> Iterator[None]:
-    """While in the block, SIGTERM ends it as SIGINT does: nothing half-written stays."""
+def sigterm_as_exit() -> Iterator[None]:
+    """Let SIGTERM end the block as SIGINT does: nothing half-written stays."""
 
     def end(*_: object) -> None:
         raise SystemExit(143)
@@ -182,55 +151,3 @@ def ended_like_interrupted() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
-
-
-class Bar:
-    """A bar of what is done, while in the block, if a person looks on."""
-
-    def __enter__(self) -> Bar:
-        """Begin to show it."""
-        self._shown: Any = None
-        with suppress(ImportError):
-            from rich.console import Console
-            from rich.progress import (
-                BarColumn,
-                Progress,
-                TaskProgressColumn,
-                TextColumn,
-                TimeRemainingColumn,
-            )
-
-            self._shown = Progress(
-                BarColumn(),
-                TaskProgressColumn(),
-                TextColumn('{task.fields[frames]:,} frames'),
-                TimeRemainingColumn(elapsed_when_finished=True),
-                transient=True,
-                disable=not sys.stderr.isatty(),
-                console=Console(stderr=True),
-                redirect_stdout=False,
-                redirect_stderr=False,
-            )
-            self._shown.add_task('', total=1.0, frames=0)
-            self._shown.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Take it away."""
-        if self._shown is not None:
-            self._shown.stop()
-
-    def show(self, frames: int, share: float) -> None:
-        """Show so many frames and the share of the whole."""
-        if self._shown is not None:
-            self._shown.update(0, completed=share, frames=frames)
-
-    @contextmanager
-    def aside(self) -> Iterator[None]:
-        """Take it away while something is printed."""
-        if self._shown is not None:
-            self._shown.stop()
-        yield
-        sys.stdout.flush()
-        if self._shown is not None:
-            self._shown.start()

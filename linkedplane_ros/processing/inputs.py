@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from glob import glob, has_magic
 from pathlib import Path
-from typing import Any
 
 from ..errors import RecordingError
+from .options import Options
 from .outputs import ENDINGS, TABLE_ENDINGS
 from .task import TABLES, Task
 
@@ -71,18 +72,18 @@ def plain_name(path: Path) -> str:
     return path.name if path.is_dir() else path.stem
 
 
-def tasks(
-    sources: Sequence[Path], target: Path, alone: bool, **options: Any
+def make_tasks(
+    sources: Sequence[Path], target: Path, alone: bool, options: Options
 ) -> tuple[list[Task], list[str]]:
     """Return a task for each recording, and a line for each that would replace another's output.
 
     One that stands `alone` becomes the target; others go into it as a folder.
     """
     if alone and (not target.is_dir() or is_bag(target)):
-        return [Task(source, target, **options) for source in sources], []
+        return [Task(source, target, options) for source in sources], []
     if target.suffix.lower() in TABLE_ENDINGS:
         raise RecordingError(f'{target}: a folder expected for several recordings; --format csv?')
-    kind = options.pop('kind', None) or 'bag'
+    kind = options.kind or 'bag'
     made: dict[Path, Task] = {}
     faults = []
     for source in sources:
@@ -93,5 +94,5 @@ def tasks(
                 'process them into folders of their own'
             )
         else:
-            made[into] = Task(source, into, kind, **options)
+            made[into] = Task(source, into, replace(options, kind=kind))
     return list(made.values()), faults

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -16,17 +17,16 @@ import numpy as np
 
 from .. import __version__
 from ..errors import RecordingError
-from ..joints.conventions import JOINT_CONVENTIONS
-from ..joints.joint_state import JointMap
+from ..joints.conventions import JointConvention
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
-from ..recordings.frames import Bones
 from ..recordings.motion import Chunk, Motion, Refused
 from ..recordings.smoothing import Smoothed
 from ..recordings.table_motion import TableMotion
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..types import Floats
 from .bag_output import BagOutput
+from .options import Options
 from .outputs import CsvOutput, Described, Output, ParquetOutput, Solved, format_of, in_place
 
 TABLES = ('.mot', '.sto', '.csv')
@@ -38,28 +38,7 @@ class Task:
 
     source: Path
     target: Path
-    kind: str | None = None
-    """bag, csv or parquet; None: by the target's ending."""
-    muscle: str = 'deltoid'
-    scale: str = '1'
-    """As BroadMuscle.scaled takes it."""
-    side: str = 'right'
-    convention: str = 'flexion_abduction_rotation'
-    joints: tuple[str, ...] = ()
-    signs: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    offsets: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    degrees: bool | None = None
-    topic: str | None = None
-    bones: Bones | None = None
-    """The frames to take the angles from, instead of joint states."""
-    frame_id: str = 'scapula'
-    rate: float | None = None
-    lowpass: float | None = None
-    differentiate: bool = False
-    """Whether the velocities are differences in time, whatever was recorded."""
-    markers: bool = True
-    """Whether a bag gets the markers, too."""
-    force: bool = False
+    options: Options = field(default_factory=Options)
 
 
 @dataclass(frozen=True)
@@ -79,52 +58,52 @@ class Report:
 
 def motion_of(task: Task) -> Motion:
     """Open a task's recording; RecordingError if it is no good."""
-    convention = JOINT_CONVENTIONS[task.convention]
-    a, b, c = task.joints or convention.coordinates
-    joints = JointMap((a, b, c), task.signs, task.offsets)
+    options, source = task.options, task.source
+    convention, bones = options.joint_convention, options.bones
     motion: Motion
-    if task.source.suffix.lower() in TABLES:
-        if task.bones is not None:
-            raise RecordingError(f'{task.source}: a table has no frames; --humerus is for bags')
-        motion = TableMotion(task.source, joints, task.degrees)
-    elif task.bones is not None:
-        motion = BagMotion.of_poses(task.source, task.bones, convention, task.side)
+    if source.suffix.lower() in TABLES:
+        if bones is not None:
+            raise RecordingError(f'{source}: a table has no frames; --humerus is for bags')
+        motion = TableMotion(source, options.joint_map, options.degrees)
+    elif bones is not None:
+        motion = BagMotion.of_poses(source, bones, convention, options.side)
     else:
-        motion = BagMotion.of_joints(task.source, joints, task.topic)
-    if task.rate is None and task.lowpass is None and not task.differentiate:
+        motion = BagMotion.of_joints(source, options.joint_map, options.topic)
+    if options.rate is None and options.lowpass is None and not options.differentiate:
         return motion
-    return Smoothed(motion, task.rate, task.lowpass)
+    return Smoothed(motion, options.rate, options.lowpass)
 
 
 def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
     """Return what a task's output says of itself."""
-    convention = JOINT_CONVENTIONS[task.convention]
+    options, convention = task.options, task.options.joint_convention
     angles_topic = ''
     if isinstance(motion, TableMotion):
         angles_topic = '/joint_states'
-    elif isinstance(motion, Smoothed) or task.bones is not None:
+    elif isinstance(motion, Smoothed) or options.bones is not None:
         angles_topic = f'/{muscle.name}/joint_states'
+    lowpass = 'no'
+    if options.lowpass is not None:
+        lowpass = f'{options.lowpass:g} (Butterworth, both ways: no lag)'
     facts = {
         'made_by': f'linkedplane_ros {__version__}',
         'source': task.source.name,
         'muscle': muscle.name,
-        'model': task.muscle,
+        'model': options.muscle,
         'model_source': muscle.source,
-        'scale': task.scale,
+        'scale': options.scale,
         'heads': json.dumps({head.name: head.bands for head in muscle.heads}),
-        'side': task.side,
+        'side': options.side,
         'joint_convention': convention.name,
         'rotation': convention.formula,
         **motion.facts,
-        'resampled_to_hz': 'no' if task.rate is None else f'{task.rate:g}',
-        'lowpass_hz': 'no'
-        if task.lowpass is None
-        else f'{task.lowpass:g} (Butterworth, both ways: no lag)',
+        'resampled_to_hz': 'no' if options.rate is None else f'{options.rate:g}',
+        'lowpass_hz': lowpass,
         'angles_topic': angles_topic,
         'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
     }
     return Described(
-        muscle, convention.coordinates, task.frame_id, facts, angles_topic, task.markers
+        muscle, convention.coordinates, options.frame_id, facts, angles_topic, options.markers
     )
 
 
@@ -137,9 +116,11 @@ def output(path: Path, kind: str, described: Described, motion: Motion) -> Outpu
     return BagOutput(path, described, motion.path if motion.keeps_records else None)
 
 
-def solved(chunk: Chunk, solver: LinkedPlaneSolver, convention: str, refused: Refused) -> Solved:
+def solved(
+    chunk: Chunk, solver: LinkedPlaneSolver, convention: JointConvention, refused: Refused
+) -> Solved:
     """Solve a chunk; frames at which a band has no plane are refused and left out."""
-    rotations, axes = JOINT_CONVENTIONS[convention].rotations_and_axes(chunk.angles, solver.side)
+    rotations, axes = convention.rotations_and_axes(chunk.angles, solver.side)
     try:
         states = solver.solve_batch(rotations)
     except ValueError:
@@ -170,35 +151,37 @@ def run(task: Task, progress: Progress = lambda frames, share: None) -> Report:
     `progress` is told, chunk by chunk, of the frames done and the share of the recording, 0 to 1.
     """
     try:
-        muscle = BroadMuscle.load(task.muscle).scaled(task.scale)
-        solver = LinkedPlaneSolver(muscle, task.side)
-        JOINT_CONVENTIONS[task.convention].rotation((0.0, 0.0, 0.0))
-        begin = perf_counter()  # all is compiled
-        target, source = task.target.resolve(), task.source.resolve()
-        if target == source or target in source.parents:
-            raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
-        kind = format_of(task.target, task.kind)
-        motion = motion_of(task)
-        motion.keeps_records = motion.keeps_records and kind == 'bag'
-        frames = outside = 0
-        with in_place(task.target, task.force, kind == 'bag') as beside:
-            out = output(beside, kind, described(task, muscle, motion), motion)
-            try:
-                for chunk in motion.chunks():
-                    each = solved(chunk, solver, task.convention, motion.refused)
-                    out.write(each)
-                    frames += len(each.chunk.stamps)
-                    outside += muscle.outside(each.states.rotation)
-                    progress(frames, chunk.share)
-            finally:
-                out.close()
-            if not frames:
-                first = next(iter(motion.refused.first.values()), 'no frames in it')
-                raise RecordingError(f'{task.source}: nothing was usable: {first}')
+        return _run(task, progress)
     except ValueError as error:
         return Report(task, fault=str(error))
     except Exception as error:  # whatever it is, the other recordings are still done
         return failed(task, error)
+
+
+def _run(task: Task, progress: Progress) -> Report:
+    options, convention = task.options, task.options.joint_convention
+    muscle = BroadMuscle.load(options.muscle).scaled(options.scale)
+    solver = LinkedPlaneSolver(muscle, options.side)
+    convention.rotation((0.0, 0.0, 0.0))
+    begin = perf_counter()  # all is compiled
+    target, source = task.target.resolve(), task.source.resolve()
+    if target == source or target in source.parents:
+        raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
+    kind = format_of(task.target, options.kind)
+    motion = motion_of(task)
+    motion.keeps_records = motion.keeps_records and kind == 'bag'
+    frames = outside = 0
+    with in_place(task.target, options.force, kind == 'bag') as beside:
+        with closing(output(beside, kind, described(task, muscle, motion), motion)) as out:
+            for chunk in motion.chunks():
+                each = solved(chunk, solver, convention, motion.refused)
+                out.write(each)
+                frames += len(each.chunk.stamps)
+                outside += muscle.outside(each.states.rotation)
+                progress(frames, chunk.share)
+        if not frames:
+            first = next(iter(motion.refused.first.values()), 'no frames in it')
+            raise RecordingError(f'{task.source}: nothing was usable: {first}')
     refused = motion.refused
     return Report(
         task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside
@@ -206,6 +189,6 @@ def run(task: Task, progress: Progress = lambda frames, share: None) -> Report:
 
 
 def failed(task: Task, error: Exception) -> Report:
-    """Return the report of a task that ended with what nobody foresaw."""
+    """Return the report of a task that ended with an unexpected error."""
     text = (str(error).splitlines() or [''])[0]
     return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')

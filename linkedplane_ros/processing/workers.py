@@ -187,6 +187,8 @@ def on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Repor
 
 def anywhere(task: Task) -> Task:
     """Return a task with paths that hold in any folder."""
-    model = Path(task.muscle)
-    muscle = str(model.resolve()) if model.is_file() else task.muscle
-    return replace(task, source=task.source.resolve(), target=task.target.resolve(), muscle=muscle)
+    options = task.options
+    model = Path(options.muscle)
+    if model.is_file():
+        options = replace(options, muscle=str(model.resolve()))
+    return Task(task.source.resolve(), task.target.resolve(), options)

@@ -30,6 +30,7 @@ from ros_harness import TOPICS
 from rosbags.rosbag2 import StoragePlugin
 from sensor_msgs.msg import JointState
 
+from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run
 
 
@@ -50,7 +51,7 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
 ) -> None:
     sent = odd_motion()
     source = write(tmp_path / 'in', sent, plugin)
-    report = run(Task(source, tmp_path / 'out', side=side))
+    report = run(Task(source, tmp_path / 'out', Options(side=side)))
     assert report.fault == ''
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent
@@ -132,7 +133,7 @@ def test_a_filtered_bag_keeps_its_messages_and_has_its_new_angles_beside_them(
         monkeypatch.setattr(f'linkedplane_ros.recordings.{module}.ROWS', size)
     sent = swing(tmp_path)
     source = write(tmp_path / 'in', sent, plugin)
-    report = run(Task(source, tmp_path / 'out', rate=rate, lowpass=6.0))
+    report = run(Task(source, tmp_path / 'out', Options(rate=rate, lowpass=6.0)))
     assert (report.fault, report.frames) == ('', 1 + 4 * rate)
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent

@@ -119,9 +119,9 @@ def test_several_recordings_need_a_folder(
 @pytest.mark.parametrize(
     ('options', 'line'),
     [
-        (('--joints', 'a', 'b', 'c'), '--joints: for joint angles alone, not for poses'),
-        (('--signs', '1', '-1', '1'), '--signs: for joint angles alone, not for poses'),
-        (('--degrees',), '--degrees: for joint angles alone, not for poses'),
+        (('--joints', 'a', 'b', 'c'), '--joints: only for joint angles, not for poses'),
+        (('--signs', '1', '-1', '1'), '--signs: only for joint angles, not for poses'),
+        (('--degrees',), '--degrees: only for joint angles, not for poses'),
     ],
 )
 def test_options_that_would_do_nothing_are_refused(
@@ -129,7 +129,7 @@ def test_options_that_would_do_nothing_are_refused(
 ) -> None:
     poses = ('--humerus', '/h', '--scapula', '/s')
     assert line in refused(capsys, str(BAG), str(tmp_path / 'out'), *poses, *options)
-    assert '--frame-axes: for poses alone' in refused(
+    assert '--frame-axes: only for poses' in refused(
         capsys, str(BAG), str(tmp_path / 'out'), '--frame-axes', 'isb'
     )
 

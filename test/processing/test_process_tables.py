@@ -12,14 +12,17 @@ from rclpy.serialization import deserialize_message
 from ros_harness import TOPICS
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run
+
+TSM = Options(convention='opensim_tsm')
 
 
 def test_a_motion_file_a_table_and_a_bag_of_one_motion_agree(shared: Path, tmp_path: Path) -> None:
     folder = shared / 'recordings'
     made = {}
     for name in ('abduction.mot', 'abduction.csv', 'abduction_mcap'):
-        report = run(Task(folder / name, tmp_path / f'{name}.csv', convention='opensim_tsm'))
+        report = run(Task(folder / name, tmp_path / f'{name}.csv', TSM))
         assert (report.fault, report.frames) == ('', 1091)
         made[name] = rows(tmp_path / f'{name}.csv')
     _, names, mot = made['abduction.mot']
@@ -91,7 +94,7 @@ def test_parquet_holds_the_numbers_of_csv(tmp_path: Path) -> None:
 def test_a_motion_file_becomes_a_bag_that_the_node_would_answer_alike(
     ros: None, shared: Path, tmp_path: Path
 ) -> None:
-    task = Task(shared / 'recordings' / 'flexion.mot', tmp_path / 'out', convention='opensim_tsm')
+    task = Task(shared / 'recordings' / 'flexion.mot', tmp_path / 'out', TSM)
     assert run(task).fault == ''
     found = contents(tmp_path / 'out')
     said = node_says(found, joint_convention='opensim_tsm', **{'markers.details': False})
@@ -110,7 +113,7 @@ def test_a_filter_and_a_rate_are_carried_out_and_recorded(tmp_path: Path) -> Non
     lines = ['time,flexion,abduction,rotation', *(f'{t!r},{q!r},0.3,0.1'
              for t, q in zip(times.tolist(), noisy.tolist(), strict=True))]  # fmt: skip
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
-    task = Task(tmp_path / 'in.csv', tmp_path / 'out.csv', rate=50.0, lowpass=6.0)
+    task = Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(rate=50.0, lowpass=6.0))
     assert run(task).frames == 201
     facts, _, values = rows(tmp_path / 'out.csv')
     assert (facts['resampled_to_hz'], facts['velocities']) == ('50', 'differentiated')
@@ -123,19 +126,18 @@ def test_a_filter_and_a_rate_are_carried_out_and_recorded(tmp_path: Path) -> Non
 
 def test_the_output_says_what_was_read_and_how(shared: Path, tmp_path: Path) -> None:
     motions = shared / 'recordings'
-    tsm = {'convention': 'opensim_tsm'}
     bag = write(tmp_path / 'in', odd_motion())
     for task, said in (
-        (Task(motions / 'flexion.mot', tmp_path / 'a.csv', **tsm),
+        (Task(motions / 'flexion.mot', tmp_path / 'a.csv', TSM),
          {'read_in': 'deg: inDegrees in the file', 'columns': 'plane_elv, shoulder_elv, axial_rot',
           'velocities': 'differentiated'}),
-        (Task(motions / 'flexion.csv', tmp_path / 'b.csv', **tsm),
+        (Task(motions / 'flexion.csv', tmp_path / 'b.csv', TSM),
          {'read_in': 'rad: the names of the columns',
           'columns': 'plane_elv_rad, shoulder_elv_rad, axial_rot_rad'}),
         (Task(bag, tmp_path / 'c.csv'),
          {'topic': '/joint_states', 'velocities': 'recorded, where the recording has them',
           'angles_topic': ''}),
-        (Task(bag, tmp_path / 'd.csv', rate=50.0),
+        (Task(bag, tmp_path / 'd.csv', Options(rate=50.0)),
          {'velocities': 'differentiated', 'angles_topic': '/deltoid/joint_states'}),
     ):  # fmt: skip
         report = run(task)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,9 @@ from sensor_msgs.msg import JointState
 
 from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import main
+from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run
-from linkedplane_ros.recordings.frames import Bones, glenohumeral
+from linkedplane_ros.recordings.frames import glenohumeral
 
 
 def pose(k: int, topic: str, R: np.ndarray, kind: str = 'PoseStamped') -> Sent:
@@ -53,6 +55,8 @@ def transform(k: int, parent: str, child: str, R: np.ndarray) -> Any:
 
 ANGLES = np.array([(0.5, 0.3 + 0.02 * k, 0.2) for k in range(30)])  # rad, isb_yxy
 ISB = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+ON_TOPICS = Options(convention='isb_yxy', humerus='/humerus', scapula='/scapula')
+IN_TREE = Options(convention='isb_yxy', humerus='humerus', scapula='scapula')
 
 
 def lab(k: int) -> np.ndarray:
@@ -70,8 +74,8 @@ def test_two_poses_give_the_angles_between_them(tmp_path: Path, kind: str, axes:
         R = frame.T @ convention.rotation(angles) @ frame
         sent += [pose(k, '/scapula', lab(k), kind), pose(k, '/humerus', lab(k) @ R, kind)]
     source = write(tmp_path / 'in', sent)
-    bones = Bones('/humerus', '/scapula', axes=axes)
-    report = run(Task(source, tmp_path / 'out.csv', convention='isb_yxy', bones=bones))
+    options = replace(ON_TOPICS, frame_axes=axes)
+    report = run(Task(source, tmp_path / 'out.csv', options))
     assert (report.fault, report.frames) == ('', 30)
     facts, _, values = rows(tmp_path / 'out.csv')
     np.testing.assert_allclose(values[:, 1:4], ANGLES, rtol=0, atol=1e-9)
@@ -85,8 +89,7 @@ def test_a_left_arms_poses_give_the_same_anatomical_angles(tmp_path: Path) -> No
         left = mirror @ convention.rotation(angles) @ mirror
         sent += [pose(k, '/humerus', lab(k) @ left), pose(k, '/scapula', lab(k))]
     source = write(tmp_path / 'in', sent)
-    bones = Bones('/humerus', '/scapula')
-    task = Task(source, tmp_path / 'out.csv', convention='isb_yxy', bones=bones, side='left')
+    task = Task(source, tmp_path / 'out.csv', replace(ON_TOPICS, side='left'))
     assert run(task).frames == 30
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
@@ -97,8 +100,7 @@ def test_poses_on_topics_count_together_only_at_one_stamp(tmp_path: Path) -> Non
     sent += [pose(k, '/scapula', lab(k)) for k in range(0, 30, 3)]
     sent.sort(key=lambda each: each[2])
     source = write(tmp_path / 'in', sent)
-    task = Task(source, tmp_path / 'out.csv', convention='isb_yxy',
-                bones=Bones('/humerus', '/scapula'))  # fmt: skip
+    task = Task(source, tmp_path / 'out.csv', ON_TOPICS)
     assert run(task).frames == 10
     np.testing.assert_allclose(
         rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES[::3], rtol=0, atol=1e-9
@@ -120,9 +122,7 @@ def test_frames_of_tf_are_found_by_their_names(tmp_path: Path) -> None:
             )
         )
     source = write(tmp_path / 'in', sent)
-    task = Task(
-        source, tmp_path / 'out.csv', convention='isb_yxy', bones=Bones('humerus', 'scapula')
-    )
+    task = Task(source, tmp_path / 'out.csv', IN_TREE)
     assert run(task).frames == 30
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
@@ -135,24 +135,24 @@ def tree(k: int, *hung: tuple[str, str, np.ndarray]) -> Sent:
 
 
 @pytest.mark.parametrize(
-    ('bones', 'line'),
+    ('humerus', 'line'),
     [
         (
-            Bones('humerrus', 'scapula'),
+            'humerrus',
             'no pose of humerrus; frames met: humerus, lab, map, scapula',
         ),
         (
-            Bones('humerus', 'scapula'),
+            'humerus',
             "humerus is given in 'lab', scapula in 'map'; poses in one frame expected",
         ),
     ],
 )
 def test_frames_that_do_not_hang_together_are_named(
-    tmp_path: Path, bones: Bones, line: str
+    tmp_path: Path, humerus: str, line: str
 ) -> None:
     sent = [tree(k, ('lab', 'humerus', lab(k)), ('map', 'scapula', lab(k))) for k in range(3)]
     source = write(tmp_path / 'in', sent)
-    report = run(Task(source, tmp_path / 'out', bones=bones))
+    report = run(Task(source, tmp_path / 'out', replace(IN_TREE, humerus=humerus)))
     assert report.fault == f'{source}: nothing was usable: {line}'
 
 
@@ -160,7 +160,7 @@ def test_poses_that_never_come_at_one_stamp_are_named(tmp_path: Path) -> None:
     sent = [pose(2 * k, '/humerus', lab(k)) for k in range(3)]
     sent += [pose(2 * k + 1, '/scapula', lab(k)) for k in range(3)]
     source = write(tmp_path / 'in', sent)
-    report = run(Task(source, tmp_path / 'out', bones=Bones('/humerus', '/scapula')))
+    report = run(Task(source, tmp_path / 'out', ON_TOPICS))
     assert 'poses of /humerus or /scapula without the other at their stamp' in report.fault
 
 
@@ -174,8 +174,7 @@ def test_a_topic_may_lag_behind_the_other(tmp_path: Path) -> None:
     del late[20]
     sent = sorted([*scapula, *late], key=lambda each: each[2])
     source = write(tmp_path / 'in', sent)
-    bones = Bones('/humerus', '/scapula')
-    report = run(Task(source, tmp_path / 'out.csv', convention='isb_yxy', bones=bones))
+    report = run(Task(source, tmp_path / 'out.csv', ON_TOPICS))
     assert (report.frames, dict(report.refused)) == (29, {'alone': 1})
     want = np.delete(ANGLES, 20, axis=0)
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], want, rtol=0, atol=1e-9)
@@ -193,8 +192,8 @@ def test_frames_of_one_stamp_may_come_in_several_messages_among_bad_ones(
         sent.append(tree(k, ('lab', 'humerus', lab(k) @ convention.rotation(angles))))
         sent.append(tree(k, ('lab', 'scapula', lab(k))))
     source = write(tmp_path / 'in', sent)
-    bones = Bones(f'{slash}humerus', f'{slash}scapula')
-    report = run(Task(source, tmp_path / 'out.csv', convention='isb_yxy', bones=bones))
+    options = replace(IN_TREE, humerus=f'{slash}humerus', scapula=f'{slash}scapula')
+    report = run(Task(source, tmp_path / 'out.csv', options))
     assert (report.fault, report.frames, dict(report.refused)) == ('', 30, {})
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
@@ -208,8 +207,7 @@ def test_a_bag_of_poses_gets_the_angles_and_can_be_plotted(
         sent += [pose(k, '/scapula', lab(k))]
         sent += [pose(k, '/humerus', lab(k) @ convention.rotation(angles))]
     source = write(tmp_path / 'in', sent)
-    bones = Bones('/humerus', '/scapula')
-    assert run(Task(source, tmp_path / 'out', convention='isb_yxy', bones=bones)).frames == 30
+    assert run(Task(source, tmp_path / 'out', ON_TOPICS)).frames == 30
     found = contents(tmp_path / 'out')
     assert [each for each in found if not each[0].startswith('/deltoid/')] == sent
     told = [

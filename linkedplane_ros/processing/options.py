@@ -1,0 +1,102 @@
+"""What a user may ask of the processing of recordings, and which wishes go together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..errors import LinkedPlaneError
+from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.joint_state import JointMap
+from ..recordings.frames import Bones
+
+RHYTHM = 2.0  # glenohumeral to scapulothoracic elevation, on the average (Inman 1944)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How recordings are processed; the command `process` has an option for each field.
+
+    Raises
+    ------
+    LinkedPlaneError
+        For options that do not go together; the message names them as the command does.
+    """
+
+    kind: str | None = None
+    """bag, csv or parquet; None: by the ending of the output's name."""
+    muscle: str = 'deltoid'
+    """A bundled model's name, or the path of a model file."""
+    scale: str = '1'
+    """The subject's size, as BroadMuscle.scaled takes it."""
+    side: str = 'right'
+    convention: str = 'flexion_abduction_rotation'
+    joints: Sequence[str] | None = None
+    """The joints or columns of the convention's coordinates; None: of the same names."""
+    signs: Sequence[float] | None = None
+    """angle = sign * recorded + offset; None: 1 for each."""
+    offsets: Sequence[float] | None = None
+    """rad; None: 0 for each."""
+    degrees: bool | None = None
+    """Whether a table's angles are in degrees; None: as the file says."""
+    topic: str | None = None
+    """The topic of a bag's joint states; None: the usual one, or the only one."""
+    humerus: str | None = None
+    """The frame of the humerus, where the angles come from poses; with scapula or thorax."""
+    scapula: str | None = None
+    thorax: str | None = None
+    rhythm: float | None = None
+    """Glenohumeral to scapulothoracic elevation, with thorax; None: RHYTHM."""
+    frame_axes: str | None = None
+    """The axes of the bones' frames, model or isb; None: model."""
+    frame_id: str = 'scapula'
+    """The frame of the outputs."""
+    rate: float | None = None
+    """Hz, to resample at; None: as recorded."""
+    lowpass: float | None = None
+    """Hz, the cutoff of a filter; None: no filter."""
+    differentiate: bool = False
+    """Whether the velocities are differences in time, even where some were recorded."""
+    markers: bool = True
+    """Whether a bag gets the markers, too."""
+    force: bool = False
+    """Whether an output that exists is replaced."""
+
+    def __post_init__(self) -> None:
+        """Refuse options that do not go together."""
+        has_base = self.scapula is not None or self.thorax is not None
+        if self.rhythm is not None and self.thorax is None:
+            raise LinkedPlaneError('--rhythm: only for angles against the thorax (--thorax)')
+        if (self.humerus is not None) != has_base:
+            raise LinkedPlaneError('--humerus NAME goes with --scapula NAME or --thorax NAME')
+        if '' in (self.humerus, self.scapula, self.thorax):
+            raise LinkedPlaneError('--humerus, --scapula, --thorax: a name expected')
+        if self.humerus is None and self.frame_axes is not None:
+            raise LinkedPlaneError('--frame-axes: only for poses (--humerus)')
+        of_joints = ('joints', 'signs', 'offsets', 'topic', 'degrees')
+        given = [name for name in of_joints if getattr(self, name) is not None]
+        if self.humerus is not None and given:
+            raise LinkedPlaneError(
+                f'--{given[0]}: only for joint angles, not for poses (--humerus)'
+            )
+
+    @property
+    def joint_convention(self) -> JointConvention:
+        """The convention itself."""
+        return JOINT_CONVENTIONS[self.convention]
+
+    @property
+    def joint_map(self) -> JointMap:
+        """How the convention's coordinates follow from what was recorded."""
+        a, b, c = self.joints or self.joint_convention.coordinates
+        i, j, k = self.signs or (1.0, 1.0, 1.0)
+        x, y, z = self.offsets or (0.0, 0.0, 0.0)
+        return JointMap((a, b, c), (i, j, k), (x, y, z))
+
+    @property
+    def bones(self) -> Bones | None:
+        """The frames to take the angles from; None: they are joint angles."""
+        if self.humerus is None:
+            return None
+        axes, rhythm = self.frame_axes or 'model', self.rhythm or RHYTHM
+        return Bones(self.humerus, self.scapula, self.thorax, axes, rhythm)
