@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fits import HEADS, simulated, ten_percent_off
 from random_muscles import random_poses
-from test_fit_criterion import HEADS, simulated
 
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.fit.checkpoint import Checkpoint
@@ -20,27 +20,10 @@ from linkedplane_ros.fit.polish import polished
 from linkedplane_ros.fit.swarm import Swarm, scattered
 
 pytest.importorskip('pymoo')
-
 DELTOID = BroadMuscle.load('deltoid')
 QUICK = Plan(particles=8, generations=4, rounds=2, polish=4, seed=3)
 POLISH = Plan(generations=0, polish=300)  # from where the model stands
 FREE = ['sphere.radius', 'plane_angle', 'humeral_point']
-
-
-def ten_percent_off(seed: int) -> BroadMuscle:
-    """Return the deltoid with its 25 coefficients and HM's distance 10 % too large or small."""
-    rng = np.random.default_rng(seed)
-    off = {
-        place: value * (1.0 + 0.1 * rng.choice((-1.0, 1.0)))
-        for place, value in DELTOID.coefficients.items()
-        if place.startswith(('sphere.centre', 'sphere.radius', 'plane_angle'))
-    }
-    assert len(off) == 25
-    farther = 1.0 + 0.1 * rng.choice((-1.0, 1.0))
-    for axis in range(3):
-        place = f'sphere.humeral_point[{axis}]'
-        off[place] = farther * DELTOID.coefficients[place]
-    return DELTOID.with_coefficients(off)
 
 
 def recovery(start: BroadMuscle, parts: tuple[str, ...] = HEADS) -> Criterion:

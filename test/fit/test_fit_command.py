@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import signal
 import subprocess
 import time
@@ -12,44 +11,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import PROGRAM, fault, said
-from test_fit import ten_percent_off
-from test_fit_criterion import simulated
+from fits import QUICK_OPTIONS
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.fit.data import Data
 
 pytest.importorskip('pymoo')
 pytest.importorskip('matplotlib')
-
 DELTOID = BroadMuscle.load('deltoid')
-QUICK = ('--particles', 6, '--generations', 2, '--polish', 40, '--weights', 'interference=0')
-
-
-def table(folder: Path, data: Data) -> Path:
-    """Write measurements as a table that reads as they are, to a nanometre."""
-    rows = [
-        f'{row.motion},{math.degrees(row.angle):.9f},{row.part},{1e3 * row.length:.6f},'
-        f'{1e3 * row.arm:.6f}'
-        for row in data.measurements
-    ]
-    path = folder / 'data.csv'
-    header = '# simulated by the published deltoid\nmotion,angle_deg,head,length_mm,moment_arm_mm'
-    path.write_text('\n'.join([header, *rows, '']), encoding='utf-8')
-    return path
-
-
-@pytest.fixture
-def task(tmp_path: Path) -> list[str]:
-    """Return the arguments of a fit that recovers the deltoid's lengths and moment arms."""
-    ten_percent_off(0).to_yaml(tmp_path / 'start.yaml')
-    data = table(tmp_path, simulated(DELTOID))
-    return ['fit', str(tmp_path / 'start.yaml'), str(data), str(tmp_path / 'fitted.yaml')]
 
 
 def test_a_fit_leaves_a_model_a_report_and_a_picture(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out = said(capsys, *task, *QUICK)
+    out = said(capsys, *task, *QUICK_OPTIONS)
     assert '26 parameters, 78 rows (angles as they stand): criterion 459.91 -> ' in out
     fitted = BroadMuscle.load(tmp_path / 'fitted.yaml')
     assert fitted.name == 'fitted'
@@ -72,7 +46,7 @@ def test_the_same_seed_writes_the_same_files(
 ) -> None:
     files = []
     for _ in range(2):
-        said(capsys, *task, '--every', '40', *QUICK, '--polish', '2', '--force')
+        said(capsys, *task, '--every', '40', *QUICK_OPTIONS, '--polish', '2', '--force')
         files.append([(tmp_path / f'fitted.{kind}').read_bytes() for kind in ('yaml', 'png')])
     assert files[0] == files[1]
 
@@ -124,7 +98,7 @@ def test_there_is_nothing_to_tighten_without_bones(
     )
     boneless.to_yaml(task[1])
     assert 'tighten: deltoid has no interference spheres' in fault(capsys, *task, '--tighten', '4')
-    report = said(capsys, *task, *QUICK, '--polish', '2', '--over', 'range')
+    report = said(capsys, *task, *QUICK_OPTIONS, '--polish', '2', '--over', 'range')
     assert ' 0 bands enter a sphere' in report
 
 
@@ -134,7 +108,7 @@ def test_a_fit_that_tightens_draws_the_trade_off(
     said(
         capsys,
         *task,
-        *QUICK,
+        *QUICK_OPTIONS,
         '--polish',
         '2',
         '--weights',
@@ -164,7 +138,9 @@ def test_a_name_that_no_model_can_have_is_told_before_the_fit(
 ) -> None:
     said_of_it = fault(capsys, *task[:-1], tmp_path / '2nd.yaml')
     assert "2nd.yaml: name: '2nd' given; a letter, then letters" in said_of_it
-    said(capsys, *task[:-1], tmp_path / '2nd.yaml', *QUICK, '--polish', 2, '--name', 'second')
+    said(
+        capsys, *task[:-1], tmp_path / '2nd.yaml', *QUICK_OPTIONS, '--polish', 2, '--name', 'second'
+    )
     assert BroadMuscle.load(tmp_path / '2nd.yaml').name == 'second'
 
 

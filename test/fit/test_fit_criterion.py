@@ -9,26 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fits import deepest, numbered_backwards, simulated
 from random_muscles import random_poses
 from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights, grid
-from linkedplane_ros.fit.data import Data, Measurement, band_of
+from linkedplane_ros.fit.data import Data, Measurement
 from linkedplane_ros.fit.parameters import Space, space
-from linkedplane_ros.solver.interference import depths
-from linkedplane_ros.solver.linked_plane_solver import MuscleState, MuscleStates
+from linkedplane_ros.solver.linked_plane_solver import MuscleState
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
-CASE_STUDY = (('flexion', 80), ('abduction', 90), ('scaption', 60))  # deg (thesis ch. 5)
-HEADS = ('anterior', 'middle', 'posterior')
 STEP = 1e-4  # m, of the laid out paths: half of it at the most beside their nearest point
-
-
-def deepest(states: MuscleStates) -> Array:
-    """Return how deep the bands enter any interference sphere (m, n), m."""
-    return np.array([depths(state)[0].max(axis=1) for state in states])
 
 
 def laid_out(state: MuscleState) -> list[Array]:
@@ -43,24 +36,6 @@ def laid_out(state: MuscleState) -> list[Array]:
         pieces = (first,) if len(path) == 2 else (first[:-1], path[1:-1], last[1:])
         ways.append(np.concatenate(pieces))
     return ways
-
-
-def simulated(
-    muscle: BroadMuscle, parts: tuple[str, ...] = HEADS, off: float = 0.0, seed: int = 0
-) -> Data:
-    """Return the case study's measurements of a muscle: 26 poses; each off by up to `off`, m."""
-    solver, rng, found = LinkedPlaneSolver(muscle), np.random.default_rng(seed), []
-    for motion, last in CASE_STUDY:
-        for angle in np.radians(np.arange(0, last + 1, 10)).tolist():
-            rotation, axis = Measurement('', 0, motion, (angle,), 0.0, 0.0).pose()
-            state = solver.solve(rotation)
-            for part in parts:
-                band = band_of(muscle, part, 0)
-                length = float(state.lengths[band]) + off * rng.uniform(-1.0, 1.0)
-                arm = float(state.moment_vectors[band] @ axis) + off * rng.uniform(-1.0, 1.0)
-                weight = 1.0 if off == 0.0 else float(rng.uniform(0.5, 2.0))
-                found.append(Measurement(part, band, motion, (angle,), length, arm, weight))
-    return Data(Path('simulated'), tuple(found), 1.0, None)
 
 
 def of(data: Data, weights: Weights, more: Array | None = None) -> tuple[Criterion, Space]:
@@ -128,7 +103,7 @@ def past_edges(state: MuscleState) -> Array:
     return np.array(found)
 
 
-def moved(parameters: Space, seed: int, share: float = 0.1) -> Array:
+def with_spheres_moved(parameters: Space, seed: int, share: float = 0.1) -> Array:
     """Return parameters at random, up to a share of the way to their bounds from the start."""
     rng = np.random.default_rng(seed)
     ends = np.where(rng.random(len(parameters.low)) < 0.5, parameters.low, parameters.high)
@@ -143,7 +118,7 @@ def test_the_criterion_is_its_definition(seed: int) -> None:
     )
     more = random_poses(6, seed)
     criterion, parameters = of(data, weights, more)
-    x = moved(parameters, seed)
+    x = with_spheres_moved(parameters, seed)
     muscle = DELTOID.with_coefficients(parameters.coefficients(x))
     expected = in_words(muscle, data, weights, more)
     # the middles of laid out paths are on chords of 0.1 mm
@@ -155,7 +130,7 @@ def test_the_criterion_is_its_definition(seed: int) -> None:
 
 def test_the_criterion_is_the_sum_of_the_squared_residuals() -> None:
     criterion, parameters = of(simulated(DELTOID, off=0.01), Weights(order=1.0), random_poses(5, 0))
-    x = moved(parameters, 1)
+    x = with_spheres_moved(parameters, 1)
     residuals = criterion.residuals(x)
     assert not isinstance(residuals, float)
     assert residuals @ residuals == pytest.approx(criterion.value(x), rel=1e-12)
@@ -198,20 +173,8 @@ def test_the_grid_has_the_ends_of_the_ranges_and_no_longer_steps() -> None:
     assert rotations.shape == (14, 3, 3)
 
 
-def backwards() -> BroadMuscle:
-    """Return the deltoid's bands, arm at the side, numbered from the back to the front."""
-    return replace(
-        DELTOID,
-        **{
-            name: getattr(DELTOID, name)[::-1]
-            for name in ('origins', 'insertions', 'sphere_centres', 'sphere_radii')
-        },
-        plane_angles=-np.roll(DELTOID.plane_angles[::-1], 1),
-    )
-
-
 def test_a_band_that_turns_over_the_one_before_it_is_out_of_order() -> None:
-    for muscle, side in ((DELTOID, 1.0), (backwards(), -1.0)):
+    for muscle, side in ((DELTOID, 1.0), (numbered_backwards(), -1.0)):
         parameters = space(muscle.definition, ['sphere.radius'])
         one = Measurement('', 0, 'flexion', (0.0,), 0.15, 0.0)
         criterion = Criterion.of(muscle, parameters, Data(Path('x'), (one,), 1.0, None))

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import PROGRAM, fault, said
-from test_fit_command import QUICK, table, task  # noqa: F401
-from test_fit_criterion import simulated
+from fits import QUICK_OPTIONS, simulated, write_data
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.fit.data import read
@@ -22,7 +21,7 @@ pytest.importorskip('pymoo')
 pytest.importorskip('matplotlib')
 
 DELTOID = BroadMuscle.load('deltoid')
-SHORT = (*QUICK[:4], '--polish', 2, '--weights', 'interference=0')
+SHORT = (*QUICK_OPTIONS[:4], '--polish', 2, '--weights', 'interference=0')
 
 
 def deviations(model: Path, data: Path) -> dict[tuple[str, str], list[tuple[float, float]]]:
@@ -39,7 +38,7 @@ def deviations(model: Path, data: Path) -> dict[tuple[str, str], list[tuple[floa
 
 def test_the_reports_figures_are_those_of_the_models(
     tmp_path: Path,
-    task: list[str],  # noqa: F811
+    task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     said(capsys, *task, *SHORT)
@@ -62,7 +61,7 @@ def test_any_muscle_is_fitted(
 ) -> None:
     muscle = BroadMuscle.load(name)
     parts = tuple(head.name for head in muscle.heads)
-    data = table(tmp_path, simulated(muscle, parts, off=1e-3))
+    data = write_data(tmp_path, simulated(muscle, parts, off=1e-3))
     out = said(capsys, 'fit', name, data, tmp_path / 'fitted.yaml', *SHORT, '--polish', 20)
     before, after = (
         float(out.split(sep)[1].split()[0].replace(',', '')) for sep in ('criterion', '->')
@@ -84,14 +83,14 @@ def test_a_muscle_of_one_band_is_fitted(tmp_path: Path, capsys: pytest.CaptureFi
         plane_angles=DELTOID.plane_angles[:1],
     )
     one.to_yaml(tmp_path / 'one.yaml')
-    data = table(tmp_path, simulated(one, ('anterior',), off=1e-3))
+    data = write_data(tmp_path, simulated(one, ('anterior',), off=1e-3))
     said(capsys, 'fit', tmp_path / 'one.yaml', data, tmp_path / 'fitted.yaml', *SHORT)
     report = (tmp_path / 'fitted.md').read_text(encoding='utf-8')
     assert 'inf' not in report
     assert 'behind the one before' not in report
 
 
-def test_a_full_disk_takes_nothing_that_is_there(tmp_path: Path, task: list[str]) -> None:  # noqa: F811
+def test_a_full_disk_takes_nothing_that_is_there(tmp_path: Path, task: list[str]) -> None:
     before = {}
     for path in (Path(task[3]), Path(task[3]).with_suffix('.md')):
         path.write_text('mine')
@@ -117,7 +116,7 @@ def test_a_full_disk_takes_nothing_that_is_there(tmp_path: Path, task: list[str]
 def test_nothing_that_is_there_is_replaced_unasked(
     name: str,
     tmp_path: Path,
-    task: list[str],  # noqa: F811
+    task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / name).write_text('mine')
@@ -127,7 +126,7 @@ def test_nothing_that_is_there_is_replaced_unasked(
 
 def test_the_measurements_are_not_replaced_even_by_force(
     tmp_path: Path,
-    task: list[str],  # noqa: F811
+    task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     data = Path(task[2]).rename(tmp_path / 'fitted.yaml')
@@ -137,7 +136,7 @@ def test_the_measurements_are_not_replaced_even_by_force(
 
 def test_a_place_that_cannot_be_written_to_is_told_before_the_search(
     tmp_path: Path,
-    task: list[str],  # noqa: F811
+    task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / 'fitted.md').mkdir()
@@ -148,7 +147,7 @@ def test_a_place_that_cannot_be_written_to_is_told_before_the_search(
 
 def test_a_start_without_a_path_is_told_before_the_search(
     tmp_path: Path,
-    task: list[str],  # noqa: F811
+    task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     radius = DELTOID.coefficients['sphere.radius[4]']
@@ -158,7 +157,7 @@ def test_a_start_without_a_path_is_told_before_the_search(
 
 def test_the_command_of_the_report_does_it_again(
     tmp_path: Path,
-    task: list[str],  # noqa: F811
+    task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / 'fitted.md').write_text('old')

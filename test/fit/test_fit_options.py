@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_fit_command import table
-from test_fit_criterion import simulated
+from fits import simulated, write_data
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
 from linkedplane_ros.commands import fit
@@ -30,7 +29,7 @@ Stated = tuple[Criterion, Plan, Any, int]
 @pytest.fixture
 def stated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Stated]:
     """Return a call that gives what a command line states, up to the search."""
-    data = table(tmp_path, simulated(DELTOID))
+    data = write_data(tmp_path, simulated(DELTOID))
 
     def call(*options: str, measured: Path = data) -> Stated:
         caught: list[Any] = []

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_fit_criterion import backwards, deepest
+from fits import deepest, numbered_backwards
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import grid
@@ -17,7 +17,7 @@ from linkedplane_ros.solver.check import DEFAULT_RANGE
 DELTOID = BroadMuscle.load('deltoid')
 
 
-def moved(*by: float) -> BroadMuscle:
+def with_spheres_moved(*by: float) -> BroadMuscle:
     """Return the deltoid with its obstacle spheres moved in their frames, m."""
     return replace(DELTOID, sphere_centres=DELTOID.sphere_centres + by)
 
@@ -39,7 +39,7 @@ def test_the_published_deltoid_does_not_jump_along_its_coordinates() -> None:
 
 
 def test_a_jump_is_found_as_large_as_it_is() -> None:
-    muscle = moved(0.0, 0.0, 0.02)  # a sphere that its band's plane leaves
+    muscle = with_spheres_moved(0.0, 0.0, 0.02)  # a sphere that its band's plane leaves
     jump = over_range(muscle, random=0, ways=0).jump
     q = np.arange(math.radians(-40.0), math.radians(120.0), math.radians(0.02))
     rotations = grid([(q[0], q[-1]), (0.0, 0.0), (0.0, 0.0)], (math.radians(0.02), 1.0, 1.0))[1]
@@ -50,7 +50,7 @@ def test_a_jump_is_found_as_large_as_it_is() -> None:
 
 
 def test_bands_without_a_path_are_counted() -> None:
-    muscle = moved(0.0, -0.04, 0.0)
+    muscle = with_spheres_moved(0.0, -0.04, 0.0)
     rotations = grid(muscle.range_of_motion or DEFAULT_RANGE, STEPS)[1]
     inside = LinkedPlaneSolver(muscle).solve_batch(rotations).wrap == WrapState.INSIDE
     assert over_range(muscle, random=0, ways=0).inside == inside.sum() > 100
@@ -58,12 +58,12 @@ def test_bands_without_a_path_are_counted() -> None:
 
 def test_a_muscle_without_any_path_is_told_in_one_line() -> None:
     with pytest.raises(ValueError, match=r'^deltoid: a band has no path anywhere: an end lies'):
-        over_range(moved(-0.04, 0.0, 0.0))
+        over_range(with_spheres_moved(-0.04, 0.0, 0.0))
 
 
 def test_bands_may_be_numbered_backwards() -> None:
     still = ((0.0, 0.0),) * 3
-    for muscle in (DELTOID, backwards()):
+    for muscle in (DELTOID, numbered_backwards()):
         found = over_range(replace(muscle, range_of_motion=still), random=0, ways=0)
         assert found.disordered == 0
         assert found.gaps.min() > 5e-3  # m
