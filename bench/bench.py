@@ -203,7 +203,7 @@ def machine() -> str:
 
 
 def table(figures: dict[str, Any]) -> str:
-    """Return the figures as the README has them."""
+    """Return the figures as the documentation has them (doc/explanation/speed.md)."""
     call = figures['call']
     rows = [
         ('lengths + 9x3 moment vectors, one call', f'{1e6 * call:.1f} us', ''),

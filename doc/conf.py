@@ -18,6 +18,8 @@ sys.path.insert(0, str(TOP / 'doc'))
 
 import house  # noqa: E402
 
+from linkedplane_ros import types  # noqa: E402
+
 project = 'linkedplane_ros'
 author = copyright = 'The linkedplane_ros maintainers'
 version = release = linkedplane_ros.__version__
@@ -28,8 +30,11 @@ myst_enable_extensions = ['dollarmath', 'deflist']
 myst_fence_as_directive = ['math']
 myst_heading_anchors = 4
 
+default_role = 'code'  # `this`, in a docstring
 autodoc_member_order = 'bysource'
 autodoc_typehints_format = 'short'
+autodoc_type_aliases = {name: name for name in vars(types) if name[0].isupper()}
+autodoc_type_aliases['npt.ArrayLike'] = 'ArrayLike'
 napoleon_google_docstring = False
 python_use_unqualified_type_names = True
 # Types of other libraries have no page here; names of ours are found or are a warning.
@@ -39,6 +44,8 @@ nitpick_ignore_regex = [
 ]
 
 html_theme = 'furo'
+html_static_path = ['static']
+html_css_files = ['pages.css']
 html_title = f'{project} {release}'
 rosdoc2_settings = {'override_theme': False}
 
@@ -69,6 +76,20 @@ def neighbours(app: Any) -> None:
             place.symlink_to(TOP / place.name)
 
 
+def whole(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Keep an attribute's docstring whole: napoleon takes what stands before a colon for a type."""
+    if what in ('attribute', 'property') and lines:
+        lines[0] = f': {lines[0]}'
+
+
+def readable(
+    app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, returns: str
+) -> tuple[str | None, str]:
+    """Return the signature of a dataclass without Python's own words for its defaults and types."""
+    plain = re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r'\1', signature or '')
+    return plain.replace('<factory>', '...') or None, returns
+
+
 class House(Directive):
     """The picture of the packages and their imports, as they are at this build."""
 
@@ -83,4 +104,6 @@ def setup(app: Any) -> None:
     app.connect('builder-inited', neighbours)
     app.connect('source-read', as_on_github)
     app.add_lexer('csv', TextLexer)
+    app.connect('autodoc-process-docstring', whole, priority=400)
+    app.connect('autodoc-process-signature', readable)
     app.connect('doctree-read', numbered)

@@ -82,6 +82,13 @@ def published() -> str:
     return table(TOPIC, [*rows, *topics.topic_rows((topics.DIAGNOSTICS,))])
 
 
+def contents() -> str:
+    """Return the topics for the README: what is on each."""
+    rows = topics.topic_rows((topics.JOINT_STATES,))
+    rows += topics.topic_rows(topics.OUTPUTS, 'deltoid/')
+    return table(('topic', 'type', 'content'), ((name, kind, what) for name, kind, _, what in rows))
+
+
 def named(action: argparse.Action, formatter: argparse.HelpFormatter) -> str:
     """Return an argument as one writes it."""
     words = formatter._format_args(action, action.dest.upper()) if action.nargs != 0 else ''
@@ -129,6 +136,7 @@ TABLES: dict[str, Callable[[], str]] = {
     'single angles': single_angles,
     'subscribed': subscribed,
     'three angles': three_angles,
+    'topics': contents,
 }
 
 

@@ -1,4 +1,4 @@
-"""Draw the README's picture: the deltoid at four poses, from the markers that RViz gets.
+"""Draw the first picture: the deltoid at four poses, from the markers that RViz gets.
 
 Run it where linkedplane_ros[all] is installed: `python doc/pictures/render_poses.py [PNG]`.
 """

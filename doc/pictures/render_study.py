@@ -1,4 +1,4 @@
-"""Draw the README's pictures of the study: moment arms beside others', bands within bone.
+"""Draw the pictures of the study: moment arms beside others', bands within bone.
 
 Run it where linkedplane_ros[all] is installed: `python doc/pictures/render_study.py`.
 """

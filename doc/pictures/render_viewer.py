@@ -1,4 +1,4 @@
-"""Take the README's pictures of the viewer from the viewer itself: four poses and an animation.
+"""Take the pictures of the viewer from the viewer itself: four poses and an animation.
 
 Both nodes, the viewer and a browser without a window are started here. Needs chromium and the
 extras viewer and test.

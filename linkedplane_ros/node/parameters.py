@@ -177,7 +177,7 @@ def parameter_rows() -> list[tuple[str, str, str]]:
 
 
 def markdown() -> str:
-    """Return the table of the parameters, as the README has it."""
+    """Return the table of the parameters, as the documentation has it."""
     lines = ['| name | default | meaning |', '| --- | --- | --- |']
     lines += [f'| {" | ".join(row)} |' for row in parameter_rows()]
     return '\n'.join(lines)

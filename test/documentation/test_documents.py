@@ -1,4 +1,4 @@
-"""What the documents and configuration files say is what the code does."""
+"""What the configuration files say is what the code does."""
 
 from __future__ import annotations
 
@@ -6,30 +6,17 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 import yaml
 from builtin_interfaces.msg import Time
 from ros_harness import Peer
 
-from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.markers import MuscleMarkers
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.node.parameters import SPECS, markdown
+from linkedplane_ros.node.parameters import SPECS
 from linkedplane_ros.node.topics import OUTPUTS
 
 TOP = Path(__file__).parents[2]
-README = (TOP / 'README.md').read_text()
-
-
-def test_the_readme_has_the_table_of_the_parameters() -> None:
-    table = README.partition('<!-- parameters -->\n')[2].partition('\n<!-- /parameters -->')[0]
-    assert table == markdown()
-
-
-@pytest.mark.parametrize('name', JOINT_CONVENTIONS)
-def test_the_readme_has_every_convention_with_its_coordinates(name: str) -> None:
-    row = next(line for line in README.splitlines() if line.startswith(f'| `{name}`'))
-    assert ', '.join(JOINT_CONVENTIONS[name].coordinates) in row
 
 
 def flat(tree: dict, prefix: str = '') -> dict:
@@ -108,11 +95,6 @@ def test_every_foxglove_panel_stands_in_the_layout_once() -> None:
         return [tree] if isinstance(tree, str) else leaves(tree['first']) + leaves(tree['second'])
 
     assert sorted(leaves(layout['layout'])) == sorted(layout['configById'])
-
-
-@pytest.mark.parametrize('topic', [topic.name for topic in OUTPUTS])
-def test_the_readme_has_every_topic(topic: str) -> None:
-    assert f'`deltoid/{topic}`' in README
 
 
 def test_the_aggregator_is_set_to_the_names_of_the_nodes(node: MuscleStatePublisher, peer: Peer

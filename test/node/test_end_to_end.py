@@ -96,7 +96,7 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
     path = EXAMPLES / bag
     if not path.exists():
         path = request.getfixturevalue('shared') / 'recordings' / bag
-    # as the README advises for a replay in which nothing may be lost
+    # as the guide advises for a replay in which nothing may be lost
     parameters = {
         'joint_convention': convention,
         'qos_overrides./joint_states.subscription.depth': 10000,

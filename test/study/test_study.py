@@ -111,10 +111,17 @@ def test_the_errata_are_marked_in_the_tables_of_positions(study: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    'table', ['fidelity_by_head', 'fidelity_thesis', 'fidelity_models', 'rivals_claims']
+    ('page', 'table'),
+    [
+        ('fidelity', 'fidelity_by_head'),
+        ('fidelity', 'fidelity_thesis'),
+        ('fidelity', 'fidelity_models'),
+        ('rivals', 'rivals_claims'),
+    ],
 )
-def test_the_readme_has_the_tables_of_the_report(study: Path, table: str) -> None:
-    _, _, rest = (MODEL.parents[2] / 'README.md').read_text().partition(f'<!-- {table} -->\n')
+def test_the_documentation_has_the_tables_of_the_report(study: Path, page: str, table: str) -> None:
+    path = MODEL.parents[2] / 'doc' / 'explanation' / f'{page}.md'
+    _, _, rest = path.read_text(encoding='utf-8').partition(f'<!-- {table} -->\n')
     shown = rest.partition(f'\n<!-- /{table} -->')[0]
     assert len(shown.splitlines()) > 5
     assert shown in (study / 'report.md').read_text()
