@@ -63,14 +63,14 @@ class PassThrough(Node):
     def answer(self, message: JointState) -> None:
         """Publish what there is."""
         state, outputs, stamp = self.state, self.outputs, message.header.stamp
-        for name, answer in self.answers.at(
+        for name, answer in self.answers.update(
             stamp, state, state.moment_vectors, state.lengths
         ).items():
             outputs[name].publish(answer)
         if outputs['markers'].get_subscription_count() and self.pace.due(
             stamp.sec + 1e-9 * stamp.nanosec, perf_counter()
         ):
-            outputs['markers'].publish(self.markers.at(state, stamp))
+            outputs['markers'].publish(self.markers.update(state, stamp))
 
 
 if __name__ == '__main__':

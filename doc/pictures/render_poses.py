@@ -94,7 +94,7 @@ def main(path: Path) -> None:
     for place, (title, degrees) in enumerate(POSES.items(), 1):
         axes: Any = figure.add_subplot(1, 4, place, projection='3d')
         state = solver.solve(convention.rotation(np.radians(degrees)))
-        for marker in markers.at(state, Time()).markers:
+        for marker in markers.update(state, Time()).markers:
             if marker.ns in NAMESPACES:
                 draw(axes, marker)
         axes.set(xlim=LIMITS[0], ylim=LIMITS[1], zlim=LIMITS[2])

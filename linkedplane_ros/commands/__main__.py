@@ -1,4 +1,4 @@
-"""`python -m linkedplane_ros.commands`: the command `linkedplane`."""
+"""The command `linkedplane`, as `python -m linkedplane_ros.commands`."""
 
 import sys
 

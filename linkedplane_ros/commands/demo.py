@@ -1,4 +1,4 @@
-"""`linkedplane_demo`: the demonstration of `make demo`."""
+"""The executable linkedplane_demo, also `make demo`: the demonstration."""
 
 import signal
 import sys
@@ -7,7 +7,7 @@ from ..node.environment import prepare_executable
 
 
 def main() -> int:
-    """Make ROS importable, then run the demonstration; return its exit status."""
+    """Prepare ROS, then run the demonstration; return its exit status."""
     prepare_executable()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     from ..node.demo import main as run

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from ..errors import LinkedPlaneError
 from .values import non_negative_number, positive_count, positive_number
 
 
@@ -33,7 +34,7 @@ def run(args: argparse.Namespace) -> None:
     recording = Recording.open(args.bag)
     length = 1e-9 * (recording.end - recording.start)
     if args.start_offset > length:
-        raise ValueError(
+        raise LinkedPlaneError(
             f'--start-offset: {args.start_offset:g} s given, the recording lasts {length:.1f} s'
         )
     from ..node import environment
@@ -42,10 +43,9 @@ def run(args: argparse.Namespace) -> None:
     import rclpy
     from rclpy.signals import SignalHandlerOptions
 
-    from ..node.play import Pace
-    from ..node.play import play as play_recording
+    from ..node.play import Playback, play_recording
 
-    pace = Pace(
+    how = Playback(
         args.rate, args.loop, args.start_offset, args.clock or 0.0, args.wait, args.subscribers
     )
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> None:
             f'{length:.1f} s, at {args.rate:g} times its speed',
             flush=True,
         )
-        count = play_recording(recording, pace)
+        count = play_recording(recording, how)
         print(f'{count} joint states published')
     finally:
         rclpy.try_shutdown()

@@ -1,10 +1,10 @@
-"""`python -m linkedplane_ros.node`: the executable muscle_state_publisher."""
+"""The executable muscle_state_publisher, also `python -m linkedplane_ros.node`."""
 
 from .environment import prepare_executable
 
 
 def main() -> None:
-    """Make ROS importable, then run the node."""
+    """Prepare ROS, then run the node."""
     prepare_executable()
     from .muscle_state_publisher import main
 

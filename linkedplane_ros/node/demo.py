@@ -25,9 +25,9 @@ from .messages import message_class
 from .topics import OUTPUTS
 
 NAMES = tuple(topic.name for topic in ANSWERS)
-STARTING = 300.0  # s for the node to start, and to compile the solver the first time
-PATIENCE = 40.0  # s for the recording
-LOSE_NOTHING = [
+STARTING = 300.0  # s for the node to start; the first time it compiles the solver
+PATIENCE = 40.0  # s for the recording to be played and answered
+RELIABLE_INPUT = [
     '--ros-args',
     '-p',
     'qos_overrides./joint_states.subscription.reliability:=reliable',
@@ -36,10 +36,10 @@ ROWS_EVERY = 0.5  # s of the recording between rows of the table
 
 
 class Listener(Node):
-    """Reads what goes into the muscle node and what comes out of it."""
+    """Listens to the input and the outputs of the muscle node, and prints a table."""
 
     def __init__(self, muscle: BroadMuscle) -> None:
-        """Subscribe everything."""
+        """Subscribe to all topics."""
         super().__init__('linkedplane_demo')
         self._muscle = muscle
         self.counts: dict[str, int] = defaultdict(int)
@@ -49,26 +49,28 @@ class Listener(Node):
         self._rows = 0
         self._next_row: float | None = None
         qos = QoSProfile(depth=1000)
-        self._listening = [self.create_subscription(JointState, 'joint_states', self._input, qos)]
+        self._listening = [
+            self.create_subscription(JointState, 'joint_states', self._count_input, qos)
+        ]
         for topic in OUTPUTS:
             self._listening.append(
                 self.create_subscription(
                     message_class(topic.type),
                     f'{muscle.name}/{topic.name}',
-                    self._counter(topic.name),
+                    self._make_counter(topic.name),
                     qos,
                 )
             )
 
-    def connected(self) -> bool:
-        """Return whether the node publishes all that is listened to."""
+    def is_connected(self) -> bool:
+        """Return whether the node publishes on every topic."""
         return all(self.count_publishers(one.topic_name) for one in self._listening[1:])
 
-    def _input(self, message: JointState) -> None:
+    def _count_input(self, message: JointState) -> None:
         self.counts['joint_states'] += 1
-        self._inputs[nanoseconds(message)] = message
+        self._inputs[read_stamp(message)] = message
 
-    def _counter(self, topic: str) -> Any:
+    def _make_counter(self, topic: str) -> Any:
         def count(message: Any) -> None:
             self.counts[topic] += 1
             if topic == 'moment_arms':
@@ -76,17 +78,17 @@ class Listener(Node):
             if topic == 'band_states':
                 self._states.append(message)
             while self._rows < min(len(self._arms), len(self._states)):
-                self._row(self._states[self._rows], self._arms[self._rows])
+                self._print_row(self._states[self._rows], self._arms[self._rows])
                 self._rows += 1
 
         return count
 
-    def _row(self, message: JointState, arms: np.ndarray[Any, Any]) -> None:
+    def _print_row(self, message: JointState, arms: np.ndarray[Any, Any]) -> None:
         """Print a row of the table, twice a second of the recording."""
-        now = 1e-9 * nanoseconds(message)
+        now = 1e-9 * read_stamp(message)
         if self._next_row is None:
-            self._header(now)
-        pose = self._inputs.get(nanoseconds(message))
+            self._print_header(now)
+        pose = self._inputs.get(read_stamp(message))
         if now + 1e-6 < (self._next_row or 0.0) or pose is None:
             return
         self._next_row = (self._next_row or 0.0) + ROWS_EVERY
@@ -98,7 +100,7 @@ class Listener(Node):
             cells += [f'{1e3 * arm:6.1f}' for arm in arms[band]]
         print(' '.join(cells), flush=True)
 
-    def _header(self, now: float) -> None:
+    def _print_header(self, now: float) -> None:
         self._begin = self._next_row = now
         heads = ''.join(f'{head.name + " head (mm)":^30}' for head in self._muscle.heads)
         print(f'\n{"":5} {"pose (deg)":^20} {heads}')
@@ -107,21 +109,21 @@ class Listener(Node):
               length_and_arms * len(self._muscle.heads))  # fmt: skip
 
 
-def nanoseconds(message: JointState) -> int:
-    """Return a message's stamp, ns since the epoch."""
+def read_stamp(message: JointState) -> int:
+    """Return the stamp of a message, ns since the epoch."""
     stamp = message.header.stamp
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
 def sample_folder() -> Path:
-    """Return the installed folder of sample messages, or that of the source tree."""
-    here = Path(__file__).resolve().parents[2] / 'msg_examples'
+    """Return the folder of sample messages: of the source tree, or as installed."""
+    sources = Path(__file__).resolve().parents[2] / 'msg_examples'
     prefixes = [sys.prefix, *os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)]
     installed = [Path(p) / 'share' / 'linkedplane_ros' / 'msg_examples' for p in prefixes if p]
-    for folder in [here, *installed]:
+    for folder in [sources, *installed]:
         if (folder / 'arm_raise').is_dir():
             return folder
-    raise LinkedPlaneError(f'the sample recording arm_raise is not in {here} nor installed')
+    raise LinkedPlaneError(f'the sample recording arm_raise is neither in {sources} nor installed')
 
 
 def main() -> int:
@@ -131,12 +133,12 @@ def main() -> int:
     recording = Recording.open(sample_folder() / 'arm_raise')
     muscle = BroadMuscle.load('deltoid')
     run = [sys.executable, '-m']
-    node = subprocess.Popen([*run, 'linkedplane_ros.node', *LOSE_NOTHING])
+    node = subprocess.Popen([*run, 'linkedplane_ros.node', *RELIABLE_INPUT])
     player = None
     rclpy.init()
     listener = Listener(muscle)
     try:
-        if not spin(listener, listener.connected, node, STARTING):
+        if not spin_until(listener, listener.is_connected, node, STARTING):
             print('demo: the node did not start', file=sys.stderr)
             return 1
         print(
@@ -146,12 +148,12 @@ def main() -> int:
             flush=True,
         )
         player = subprocess.Popen(
-            # the node and this listener: to find each other takes up to some seconds
+            # the node and this listener; discovery takes up to some seconds
             [*run, 'linkedplane_ros.commands', 'play', str(recording.path), '--subscribers', '2'],
             stdout=subprocess.DEVNULL,
         )
-        done = spin(listener, lambda: counted(listener, recording.count), node, PATIENCE)
-        return summary(listener, recording.count) if done else summary(listener, -1)
+        done = spin_until(listener, lambda: all_answered(listener, recording.count), node, PATIENCE)
+        return print_summary(listener, recording.count) if done else print_summary(listener, -1)
     finally:
         for process in (node, player):
             if process is not None:
@@ -161,27 +163,35 @@ def main() -> int:
         rclpy.try_shutdown()
 
 
-def counted(listener: Listener, count: int) -> bool:
-    """Return whether all answers to so many inputs are in."""
+def all_answered(listener: Listener, count: int) -> bool:
+    """Return whether `count` joint states and all answers to them have arrived."""
     return all(listener.counts[topic] >= count for topic in ('joint_states', *NAMES))
 
 
-def spin(listener: Listener, until: Any, node: subprocess.Popen[bytes], patience: float) -> bool:
-    """Read messages until something is so, the node dies or patience ends; return whether it is."""
+def spin_until(
+    listener: Listener, condition: Any, node: subprocess.Popen[bytes], patience: float
+) -> bool:
+    """Read messages until a condition holds, at most `patience` s; return whether it does.
+
+    It ends early if the node ends.
+    """
     deadline = time.monotonic() + patience
-    while not until():
+    while not condition():
         if time.monotonic() > deadline or node.poll() is not None:
             return False
         rclpy.spin_once(listener, timeout_sec=0.05)
     return True
 
 
-def summary(listener: Listener, expected: int) -> int:
-    """Print what went in and came out; return 0 if they agree."""
+def print_summary(listener: Listener, expected: int) -> int:
+    """Print the counts of inputs and answers; return 0 if they are equal."""
     counts = listener.counts
     print(f'\nin:  joint_states {counts["joint_states"]}')
     answers = ', '.join(f'{topic} {counts[topic]}' for topic in NAMES)
     print(f'out: {answers}; markers {counts["markers"]} (30 Hz at most)')
-    agree = all(counts[topic] == counts['joint_states'] == expected for topic in NAMES)
-    print('every joint state was answered once on every topic' if agree else 'they DISAGREE')
-    return 0 if agree else 1
+    equal = all(counts[topic] == counts['joint_states'] == expected for topic in NAMES)
+    if not equal:
+        print('the counts differ: not every joint state was answered once on every topic')
+        return 1
+    print('every joint state was answered once on every topic')
+    return 0

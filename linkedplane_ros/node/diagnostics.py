@@ -1,4 +1,4 @@
-"""What the node tells of itself on /diagnostics, once a second."""
+"""The status of a muscle on /diagnostics: its level, counts and times."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ STALE_AFTER = 3.0  # s without input
 
 @dataclass
 class Tally:
-    """Counts and times of a muscle's messages so far."""
+    """Counts and times (s) of a muscle's messages so far."""
 
     received: int = 0
     answered: int = 0
     near_singular: int = 0
     rejected: Counter[str] = field(default_factory=Counter)
-    last_line: str = ''
-    misfits: list[str] = field(default_factory=list)
+    last_rejection: str = ''
+    incompatible_peers: list[str] = field(default_factory=list)
     solve_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
     callback_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
     last_arrival: float | None = None
@@ -34,33 +34,32 @@ class Tally:
     rejected_before: int = 0
     near_singular_before: int = 0
 
-    def level(self, now: float) -> tuple[bytes, str]:
-        """Return the level and its line: rejected input warns, no input is stale."""
+    def assess(self, now: float) -> tuple[bytes, str]:
+        """Return the level and its line: rejected input warns, no input is stale; `now` in s."""
         rejected = sum(self.rejected.values())
         fresh, self.rejected_before = rejected - self.rejected_before, rejected
         near = self.near_singular - self.near_singular_before
         self.near_singular_before = self.near_singular
         if self.last_arrival is None:
-            return DiagnosticStatus.STALE, next(iter(self.misfits), 'no joint states received yet')
+            line = next(iter(self.incompatible_peers), 'no joint states received yet')
+            return DiagnosticStatus.STALE, line
         if not self.answered:
-            return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_line}'
+            return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_rejection}'
         age = now - self.last_arrival
         if age > STALE_AFTER:
             return DiagnosticStatus.STALE, f'no joint states for {age:.1f} s'
         if fresh:
-            return DiagnosticStatus.WARN, f'{fresh} rejected in the last second: {self.last_line}'
-        if self.misfits:
-            return DiagnosticStatus.WARN, self.misfits[0]
+            line = f'{fresh} rejected in the last second: {self.last_rejection}'
+            return DiagnosticStatus.WARN, line
+        if self.incompatible_peers:
+            return DiagnosticStatus.WARN, self.incompatible_peers[0]
         if near:
-            return (
-                DiagnosticStatus.OK,
-                f'answering; {near} near the singularity: two moment arms '
-                'say nearly the same, use the moment vectors',
-            )
+            line = f'answering; {near} near the singularity, where two moment arms are nearly equal'
+            return DiagnosticStatus.OK, f'{line}: use the moment vectors'
         return DiagnosticStatus.OK, 'answering'
 
 
-def milliseconds(times: deque[float]) -> dict[str, str]:
+def summarise_times(times: deque[float]) -> dict[str, str]:
     """Return mean, 99th percentile and worst of times (s) as text in ms."""
     if not times:
         return dict.fromkeys(('mean', 'p99', 'worst'), 'none')
@@ -72,20 +71,33 @@ def milliseconds(times: deque[float]) -> dict[str, str]:
     return {name: f'{1e3 * value:.3f}' for name, value in figures.items()}
 
 
-def status(
+def build_status(
     tally: Tally, name: str, hardware_id: str, now: float, facts: Mapping[str, str]
 ) -> DiagnosticStatus:
-    """Return a muscle's status. `now`, on the clock of the tally's times, in s."""
-    level, line = tally.level(now)
+    """Return the status of a muscle.
+
+    Parameters
+    ----------
+    tally
+        Its counts and times.
+    name, hardware_id
+        The status's.
+    now
+        On the clock of the tally's times, s.
+    facts
+        Further values, shown first.
+
+    """
+    level, line = tally.assess(now)
     values = dict(facts)
     values['messages received'] = str(tally.received)
     values['messages answered'] = str(tally.answered)
-    values['peers that do not fit'] = str(len(tally.misfits))
+    values['peers that do not fit'] = str(len(tally.incompatible_peers))
     values['answers near the singularity'] = str(tally.near_singular)
     for reason in REASONS:
         values[f'rejected: {reason}'] = str(tally.rejected[reason])
     for kind, times in (('solve', tally.solve_times), ('callback', tally.callback_times)):
-        for figure, text in milliseconds(times).items():
+        for figure, text in summarise_times(times).items():
             values[f'{kind} time {figure} (ms)'] = text
     age = 'none' if tally.last_arrival is None else f'{now - tally.last_arrival:.3f}'
     values['input age (s)'] = age

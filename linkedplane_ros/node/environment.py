@@ -1,4 +1,4 @@
-"""Make rclpy work, or say in one line why it cannot; called before rclpy is imported.
+"""Prepare the process for rclpy, or say in one line why it cannot run; called before its import.
 
 The ROS packages from PyPI find their libraries through LD_LIBRARY_PATH, which their bootstrapper
 sets by starting Python a second time. It does not notice where its mark was inherited without the
@@ -16,26 +16,32 @@ from importlib.util import find_spec
 from pathlib import Path
 
 NEEDED = ('rclpy', 'sensor_msgs', 'std_msgs', 'visualization_msgs', 'diagnostic_msgs')
-CURE = "source /opt/ros/jazzy/setup.bash, or pip install 'linkedplane_ros[ros]'"
+HOW_TO_INSTALL = "source /opt/ros/jazzy/setup.bash, or pip install 'linkedplane_ros[ros]'"
 MIDDLEWARE = 'rmw_fastrtps_cpp'  # the one that the packages from PyPI are linked with
 BOOTSTRAPPED = '_ROS_WHEELS_BOOTSTRAP_COMPLETE'
 RESTARTED = '_LINKEDPLANE_ROS_RESTARTED'  # a process id: a restart keeps it, a child has another
 
 
 def prepare_executable() -> None:
-    """Prepare; until ROS takes signals over, they end the process quietly."""
+    """Prepare an executable; until ROS handles signals, they end the process quietly."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     prepare()
 
 
 def prepare() -> None:
-    """Repair the environment of this process for rclpy; SystemExit with one line if in vain.
+    """Set the environment of this process up for rclpy.
 
-    May start Python again with the same arguments, so call it before anything else is done.
+    It may start Python again with the same arguments, so call it before anything else.
+
+    Raises
+    ------
+    SystemExit
+        With one line: what is missing, and how to get it.
+
     """
     for name in NEEDED:
         if find_spec(name) is None:
-            raise SystemExit(f'{name} is not installed: {CURE}')
+            raise SystemExit(f'{name} is not installed: {HOW_TO_INSTALL}')
     folders = library_folders()
     if not folders:
         return
@@ -47,9 +53,9 @@ def prepare() -> None:
         )
     if not any((folder / f'lib{MIDDLEWARE}.so').exists() for folder in folders):
         raise SystemExit(f"{MIDDLEWARE} is not installed: pip install 'linkedplane_ros[ros]'")
-    if not log_folder_works():
+    if not is_log_folder_writable():
         os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
-    restart_with(folders)
+    restart_python(folders)
 
 
 def library_folders() -> list[Path]:
@@ -62,8 +68,8 @@ def library_folders() -> list[Path]:
     return [site_packages.parents[1], *bundled] if bundled else []
 
 
-def log_folder_works() -> bool:
-    """Tell whether rclpy.init can make and write the folder of its logs (rcl_logging's rule)."""
+def is_log_folder_writable() -> bool:
+    """Return whether rclpy.init can create and write its log folder (rcl_logging's rule)."""
     for variable, below in (('ROS_LOG_DIR', ''), ('ROS_HOME', 'log'), ('HOME', '.ros/log')):
         if os.environ.get(variable):
             folder = os.path.expanduser(os.path.join(os.environ[variable], below))
@@ -77,8 +83,8 @@ def log_folder_works() -> bool:
     return os.access(folder, os.W_OK | os.X_OK)
 
 
-def restart_with(folders: list[Path]) -> None:
-    """Start Python again with the folders in LD_LIBRARY_PATH, unless they are there."""
+def restart_python(folders: list[Path]) -> None:
+    """Start Python again with the folders in LD_LIBRARY_PATH, unless they are in it."""
     found = [path for path in os.environ.get('LD_LIBRARY_PATH', '').split(os.pathsep) if path]
     if {os.path.realpath(folder) for folder in folders} <= {os.path.realpath(p) for p in found}:
         return

@@ -1,4 +1,7 @@
-"""From a muscle state to the markers that RViz and Foxglove show: message types, no node."""
+"""From a muscle state to the marker messages that RViz and Foxglove show.
+
+Their shapes are those of `drawing.shapes`, their colours those of `drawing.colours`.
+"""
 
 from __future__ import annotations
 
@@ -14,18 +17,30 @@ from ..types import Colour
 
 
 class MuscleMarkers:
-    """The markers of one muscle: made once, then moved in place from state to state."""
+    """The markers of one muscle: built once, then moved from state to state.
+
+    Parameters
+    ----------
+    muscle
+        What is drawn.
+    frame_id
+        The frame of the markers.
+    points
+        Points on the arc of a wrapped band.
+    details
+        Whether planes, interference spheres, and where bands enter them are drawn, too.
+
+    """
 
     def __init__(
         self, muscle: BroadMuscle, frame_id: str, points: int, details: bool = True
     ) -> None:
-        """Make all markers; `points` on the arc of a wrapped band; with `details` or without."""
         self._frame_id = frame_id
         self._shapes = MuscleShapes(muscle, points, details)
-        self._markers = [self._marker(shape) for shape in self._shapes.shapes]
+        self._markers = [self._build_marker(shape) for shape in self._shapes.shapes]
         self._pools: list[list[Point]] = [[] for _ in self._markers]
 
-    def _marker(self, shape: Shape) -> Marker:
+    def _build_marker(self, shape: Shape) -> Marker:
         marker = Marker(
             ns=shape.namespace,
             id=shape.number,
@@ -45,22 +60,22 @@ class MuscleMarkers:
         marker.header.stamp = stamp
         return MarkerArray(markers=[marker])
 
-    def at(self, state: MuscleState, stamp: Time) -> MarkerArray:
+    def update(self, state: MuscleState, stamp: Time) -> MarkerArray:
         """Return the markers at a state. The next call changes the same messages."""
         places = self._shapes.at(state)
         for marker, pool, place in zip(self._markers, self._pools, places, strict=True):
             marker.header.stamp = stamp
-            put(marker, pool, place)
+            move_marker(marker, pool, place)
         return MarkerArray(markers=self._markers)
 
 
 def rgba(colour: Colour, alpha: float) -> ColorRGBA:
-    """Return a colour's message."""
+    """Return a colour, 0 to 1, as a message."""
     return ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=alpha)
 
 
-def put(marker: Marker, pool: list[Point], place: Place) -> None:
-    """Move a marker; its points are those of the pool, as many as are needed."""
+def move_marker(marker: Marker, pool: list[Point], place: Place) -> None:
+    """Move a marker to a place; its points are taken from the pool, which grows if needed."""
     marker.action = place.action
     if place.position is not None:
         x, y, z = place.position.tolist()

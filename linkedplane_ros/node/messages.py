@@ -1,4 +1,4 @@
-"""From a muscle state to messages: pure functions of message types, no node."""
+"""From a muscle state to the arrays and joint states that the node publishes."""
 
 from __future__ import annotations
 
@@ -32,10 +32,18 @@ def layout(*dimensions: tuple[str, Sequence[str]]) -> MultiArrayLayout:
 
 
 class Answers:
-    """The messages on one muscle's topics: built once, then filled in for state after state."""
+    """The messages of one muscle's topics: built once, then filled in for each state.
+
+    Parameters
+    ----------
+    bands, coordinates
+        The names in the layouts of the arrays; the bands are the joints of `band_states`.
+    frame_id
+        The frame of `band_states`.
+
+    """
 
     def __init__(self, bands: Sequence[str], coordinates: Sequence[str], frame_id: str) -> None:
-        """Name the bands and the coordinates in the layouts."""
         names = dimension_names(bands, coordinates)
         self._topics = {topic.name: message_class(topic.type)() for topic in ANSWERS}
         for topic in ANSWERS:
@@ -46,13 +54,22 @@ class Answers:
         states = self._topics['band_states']
         states.name, states.header.frame_id = list(bands), frame_id
 
-    def at(
+    def update(
         self, stamp: Time, state: MuscleState, arms: Floats, lengthening: Floats | None
     ) -> Mapping[str, Any]:
-        """Return each topic's message. The next call changes the same messages.
+        """Return the message of each topic. The next call changes the same messages.
 
-        `arms` (n, 3), m, about the coordinates; `lengthening` (n,), m/s, or None: not known. The
-        bands are joints as well: their lengths the positions, their lengthening the velocities.
+        Parameters
+        ----------
+        stamp
+            The input's.
+        state
+            The muscle's.
+        arms
+            (n, 3) moment arms about the coordinates, m.
+        lengthening
+            (n,) lengthening speeds, m/s; None if the input has no velocities.
+
         """
         topics = self._topics
         lengths = array('d', state.lengths.tobytes())

@@ -1,4 +1,7 @@
-"""The node muscle_state_publisher: joint states in, muscle states out. Plumbing only."""
+"""The node muscle_state_publisher: joint states in, muscle states out.
+
+A JointState becomes three angles in `joints.joint_state`; `outputs` answers them for each muscle.
+"""
 
 from __future__ import annotations
 
@@ -35,14 +38,14 @@ class MuscleStatePublisher(Node):
     """Answers every accepted JointState with the state of each muscle."""
 
     def __init__(self, **kwargs: Any) -> None:
-        """Declare parameters and topics; ValueError where a parameter cannot be used."""
+        """Declare parameters and topics; LinkedPlaneError for a parameter that cannot be used."""
         super().__init__('muscle_state_publisher', **kwargs)
         self._muscles: Sequence[MuscleOutputs] = ()
-        self._misfits: list[str] = []
-        settings = self._declared()
+        self._peer_lines: list[str] = []
+        settings = self._declare_parameters()
         for text, fault in settings.left_out.items():
             self.get_logger().error(f'muscle {text} is left out: {fault}')
-        self._apply(settings, self._with_topics(settings))
+        self._apply(settings, self._open_outputs(settings))
         self._diagnostics = self.create_publisher(
             DiagnosticArray,
             DIAGNOSTICS.name,
@@ -51,16 +54,16 @@ class MuscleStatePublisher(Node):
         )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self._report, clock=steady)
-        self.add_on_set_parameters_callback(self._check)
-        self.add_post_set_parameters_callback(self._change)
-        with qos.overrides_in_one_line():
+        self.add_on_set_parameters_callback(self._check_changes)
+        self.add_post_set_parameters_callback(self._apply_changes)
+        with qos.override_errors():
             self._input = self.create_subscription(
                 JointState,
                 JOINT_STATES.name,
                 self._answer,
                 qos.profile(JOINT_STATES),
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
-                qos_overriding_options=qos.overridable(),
+                qos_overriding_options=qos.overridable_policies(),
             )
         self.get_logger().info(
             f'{", ".join(muscle.name for muscle in self._muscles)}, '
@@ -74,8 +77,8 @@ class MuscleStatePublisher(Node):
                 f'{settings.convention.relative_to}; this node needs it against the scapula'
             )
 
-    def _declared(self) -> Settings:
-        """Return the parameters' settings; say so if the solver has to be compiled for them."""
+    def _declare_parameters(self) -> Settings:
+        """Return the settings; log a line if they take long because the solver is compiled."""
         line = 'preparing the solver; the first start compiles it'
         notice = Timer(1.0, self.get_logger().info, [line])
         if COMPILED:
@@ -86,8 +89,8 @@ class MuscleStatePublisher(Node):
             notice.cancel()
 
     def _apply(self, settings: Settings, muscles: Sequence[MuscleOutputs]) -> None:
-        """Work with these settings from now on, and answer with these muscles."""
-        if len(muscles) == len(self._muscles) == 1:  # another one in its place goes on counting
+        """Use these settings and answer with these muscles from now on."""
+        if len(muscles) == len(self._muscles) == 1:  # the counts go on
             muscles[0].tally = self._muscles[0].tally
         for gone in self._muscles:
             if gone not in muscles:
@@ -100,47 +103,47 @@ class MuscleStatePublisher(Node):
             own = logger if len(muscles) == 1 else logger.get_child(muscle.name)
             muscle.apply(settings, solver, own)
 
-    def _with_topics(self, settings: Settings) -> list[MuscleOutputs]:
-        """Return the muscles of the settings; those there are where they have the name."""
-        there = {muscle.name: muscle for muscle in self._muscles}
+    def _open_outputs(self, settings: Settings) -> list[MuscleOutputs]:
+        """Return the outputs of the settings' muscles, keeping those that are open by name."""
+        kept = {muscle.name: muscle for muscle in self._muscles}
         names = [solver.muscle.name for solver in settings.solvers]
-        made: dict[str, MuscleOutputs] = {}
+        opened: dict[str, MuscleOutputs] = {}
         try:
-            with qos.overrides_in_one_line():
+            with qos.override_errors():
                 for name in names:
-                    if name not in there:
-                        made[name] = MuscleOutputs(self, name)
+                    if name not in kept:
+                        opened[name] = MuscleOutputs(self, name)
         except ValueError:
-            for muscle in made.values():
+            for muscle in opened.values():
                 muscle.close()
             raise
-        return [there.get(name) or made[name] for name in names]
+        return [kept.get(name) or opened[name] for name in names]
 
-    def _check(self, changes: list[Parameter]) -> SetParametersResult:
-        """Accept a batch of parameter changes if the whole of it can be worked with."""
+    def _check_changes(self, changes: list[Parameter]) -> SetParametersResult:
+        """Accept a batch of parameter changes if all of it can be used."""
         names = {change.name for change in changes}
         if names.isdisjoint(NAMES):
             return SetParametersResult(successful=True)
         may_fail = () if 'muscle' in names else self._settings.left_out
         try:
-            settings = Settings.from_values(self._values(changes), may_fail)
-            self._candidate = settings, self._with_topics(settings)
+            settings = Settings.from_values(self._merge_values(changes), may_fail)
+            self._candidate = settings, self._open_outputs(settings)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    def _change(self, changes: list[Parameter]) -> None:
-        """Work with accepted parameters."""
+    def _apply_changes(self, changes: list[Parameter]) -> None:
+        """Use accepted parameters."""
         if any(change.name in NAMES for change in changes):
             self._apply(*self._candidate)
 
-    def _values(self, changes: list[Parameter]) -> dict[str, Any]:
+    def _merge_values(self, changes: list[Parameter]) -> dict[str, Any]:
         values = {name: self.get_parameter(name).value for name in NAMES}
         values.update({change.name: change.value for change in changes})
         return values
 
     def _answer(self, message: JointState) -> None:
-        """Let each muscle answer one joint state, or say why it was not taken in."""
+        """Let each muscle answer one joint state, or log why it is rejected."""
         start = perf_counter()
         try:
             angles, speeds, warning = self._memory.take(
@@ -160,18 +163,18 @@ class MuscleStatePublisher(Node):
             start = muscle.answer(stamp, angles, speeds, start)
 
     def _report(self) -> None:
-        """Once a second: tell of peers that do not fit, new viewers, and the diagnostics."""
-        misfits = qos.misfits(self, self._input)
-        lines = list(misfits)
+        """Once a second: log incompatible peers, serve new viewers, publish the diagnostics."""
+        of_input = qos.describe_incompatible_peers(self, self._input)
+        lines = list(of_input)
         for muscle in self._muscles:
-            lines += muscle.look_at_peers(misfits)[len(misfits) :]
+            lines += muscle.check_peers(of_input)[len(of_input) :]
         for line in lines:
-            if line not in self._misfits:
+            if line not in self._peer_lines:
                 self.get_logger().warning(line)
-        self._misfits = lines
+        self._peer_lines = lines
         for muscle in self._muscles:
-            muscle.show_again()
-        array = DiagnosticArray(status=[muscle.status() for muscle in self._muscles])
+            muscle.republish_markers()
+        array = DiagnosticArray(status=[muscle.build_status() for muscle in self._muscles])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
@@ -181,18 +184,18 @@ def main(args: list[str] | None = None) -> None:
     rclpy.init(args=args)
     node = None
     try:
-        executor = SingleThreadedExecutor()  # now: making one fails noisily after a signal
+        executor = SingleThreadedExecutor()  # before a signal can come: it fails noisily after one
         node = MuscleStatePublisher()
         executor.add_node(node)
         gc.collect()
-        gc.freeze()  # what is loaded by now stays: to look through it again takes tens of ms
+        gc.freeze()  # what is loaded by now stays: searching it again takes tens of ms
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ValueError as error:
         sys.exit(f'muscle_state_publisher: {error}')
     except (RCLError, InvalidHandle):
-        if rclpy.ok():  # else the signal came in the middle of a call
+        if rclpy.ok():  # otherwise the signal came in the middle of a call
             raise
     finally:
         if node is not None:

@@ -1,4 +1,4 @@
-"""One muscle of the node: its solver, its topics, its markers and its counts."""
+"""One muscle of the node: from three angles to its state, published on its topics."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from ..linked_planes.compiled import COMPILED
 from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState
 from ..types import Triple
 from . import qos
-from .diagnostics import Tally, status
+from .diagnostics import Tally, build_status
 from .markers import MuscleMarkers
 from .messages import Answers, message_class
 from .settings import STILL, Settings
 from .topics import OUTPUTS
 
-THROTTLE = 5.0  # s between lines on rejected messages
+THROTTLE = 5.0  # s between log lines on rejected messages
 
 
 class MuscleOutputs:
-    """Answers the angles that the node has taken in on the topics of one muscle."""
+    """Publishes the state of one muscle for the angles that the node has received."""
 
     def __init__(self, node: Node, name: str) -> None:
-        """Make the publishers, named after the muscle; RuntimeError for a wrong override."""
+        """Create the publishers, named after the muscle; RuntimeError for a wrong override."""
         self.name = name
         self.tally = Tally()
         self.topics: dict[str, Any] = {}
@@ -46,16 +46,16 @@ class MuscleOutputs:
                     f'{name}/{topic.name}',
                     qos.profile(topic),
                     event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-                    qos_overriding_options=qos.overridable(),
+                    qos_overriding_options=qos.overridable_policies(),
                 )
         except RuntimeError:
             self.close()
             raise
 
     def apply(self, settings: Settings, solver: LinkedPlaneSolver, logger: RcutilsLogger) -> None:
-        """Work with these settings from now on; what cannot be answered goes to the logger."""
+        """Use these settings from now on; what cannot be answered is logged."""
         if not settings.markers_enabled:
-            self._leave_nothing_behind()
+            self._clear_markers()
         muscle = solver.muscle
         self._settings, self._solver, self._logger = settings, solver, logger
         self._convention = settings.convention
@@ -70,30 +70,45 @@ class MuscleOutputs:
         )
 
     def close(self) -> None:
-        """Leave the topics, and no muscle in a viewer."""
-        self._leave_nothing_behind()
+        """Destroy the publishers; no viewer keeps the muscle."""
+        self._clear_markers()
         for publisher in self.topics.values():
             self._node.destroy_publisher(publisher)
 
-    def _leave_nothing_behind(self) -> None:
+    def _clear_markers(self) -> None:
         if self._cleared:
             self.topics['markers'].publish(self._markers.clear(self._last_stamp))
 
     def reject(self, error: Rejected, start: float) -> None:
-        """Count a joint state that the node could not take in; it came at `start`, s."""
+        """Count a joint state that the node rejected; it came at `start`, s."""
         tally = self.tally
         tally.received += 1
         tally.last_arrival = start
-        self._count(error)
+        self._count_rejection(error)
 
-    def _count(self, error: Rejected) -> None:
+    def _count_rejection(self, error: Rejected) -> None:
         self.tally.rejected[error.reason] += 1
-        self.tally.last_line = str(error)
+        self.tally.last_rejection = str(error)
 
     def answer(self, stamp: Time, angles: Triple, speeds: Triple | None, start: float) -> float:
-        """Answer angles, rad, and speeds, rad/s, or say why not; return when that was done.
+        """Publish the state at given angles, or log why there is none.
 
-        `start` is when it began; both in s, on the clock of perf_counter.
+        Parameters
+        ----------
+        stamp
+            The input's.
+        angles
+            The convention's three, rad.
+        speeds
+            Their speeds, rad/s; None if the input has no velocities.
+        start
+            When the work on this input began, s, on the clock of perf_counter.
+
+        Returns
+        -------
+        float
+            When it was done, on the same clock.
+
         """
         tally = self.tally
         tally.received += 1
@@ -103,19 +118,19 @@ class MuscleOutputs:
                 self._convention, angles, speeds or STILL
             )
         except ValueError as error:
-            self._count(Rejected('no_plane', str(error)))
+            self._count_rejection(Rejected('no_plane', str(error)))
             self._logger.warning(f'joint state not used: {error}', throttle_duration_sec=THROTTLE)
             return perf_counter()
         tally.solve_times.append(perf_counter() - start)
         topics = self.topics
-        for name, answer in self._answers.at(
+        for name, answer in self._answers.update(
             stamp, state, arms, None if speeds is None else lengthening
         ).items():
             topics[name].publish(answer)
         if topics['markers'].get_subscription_count() and self._pace.due(
             stamp.sec + 1e-9 * stamp.nanosec, start
         ):
-            self._show(state, stamp)
+            self._publish_markers(state, stamp)
         tally.answered += 1
         tally.near_singular += sine_of_singularity(axes) < NEAR_SINGULAR
         tally.last_state, self._last_stamp = state, stamp
@@ -123,31 +138,35 @@ class MuscleOutputs:
         tally.callback_times.append(end - start)
         return end
 
-    def _show(self, state: MuscleState, stamp: Time) -> None:
-        """Publish the markers of a state; before the first, remove any that were there."""
+    def _publish_markers(self, state: MuscleState, stamp: Time) -> None:
+        """Publish the markers of a state; before the first, remove any older ones."""
         if not self._settings.markers_enabled:
             return
         if not self._cleared:
             self.topics['markers'].publish(self._markers.clear(stamp))
             self._cleared = True
-        self.topics['markers'].publish(self._markers.at(state, stamp))
+        self.topics['markers'].publish(self._markers.update(state, stamp))
 
-    def show_again(self) -> None:
-        """Show the newest state to new viewers if no input is coming (a paused recording)."""
+    def republish_markers(self) -> None:
+        """Publish the newest state's markers for new viewers while no input comes (a pause)."""
         viewers, before = self.topics['markers'].get_subscription_count(), self._viewers
         self._viewers = viewers
         state, arrival = self.tally.last_state, self.tally.last_arrival
         if viewers > before and state and arrival and perf_counter() - arrival > 0.5:
-            self._show(state, self._last_stamp)
+            self._publish_markers(state, self._last_stamp)
 
-    def look_at_peers(self, misfits: Sequence[str]) -> list[str]:
-        """Return a line for each peer that does not fit, those of the input first."""
-        own = [line for end in self.topics.values() for line in qos.misfits(self._node, end)]
-        self.tally.misfits = [*misfits, *own]
-        return self.tally.misfits
+    def check_peers(self, of_input: Sequence[str]) -> list[str]:
+        """Return a line for each incompatible peer, those of the input first."""
+        own = [
+            line
+            for publisher in self.topics.values()
+            for line in qos.describe_incompatible_peers(self._node, publisher)
+        ]
+        self.tally.incompatible_peers = [*of_input, *own]
+        return self.tally.incompatible_peers
 
-    def status(self) -> DiagnosticStatus:
-        """Return what the diagnostics tell of this muscle."""
+    def build_status(self) -> DiagnosticStatus:
+        """Return the status of this muscle for the diagnostics."""
         settings, side = self._settings, self._solver.side
         facts = {
             'muscle': self.name,
@@ -158,7 +177,7 @@ class MuscleOutputs:
             'joints': ', '.join(settings.joints.names),
             'compiled': 'yes' if COMPILED else 'no',
         }
-        return status(
+        return build_status(
             self.tally,
             f'{self._node.get_fully_qualified_name()[1:]}: {self.name}',
             f'{self.name}, {side}',

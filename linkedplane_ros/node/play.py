@@ -1,4 +1,4 @@
-"""Publish a recording's joint states at their recorded times, where there is no ros2 bag."""
+"""Publish a recording's joint states at their recorded times, without ros2 bag."""
 
 from __future__ import annotations
 
@@ -9,48 +9,63 @@ import rclpy
 from builtin_interfaces.msg import Time
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from ..recordings.bags import Recording
+from . import qos
+from .topics import CLOCK
 
-SETTLING = 0.3  # s: a subscriber is known here a little before it knows this publisher
+SETTLING = 0.3  # s: a subscriber is known here a little earlier than this publisher there
 OUTPUT_QOS = QoSProfile(depth=10000)
-CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 @dataclass(frozen=True)
-class Pace:
-    """How a recording is played."""
+class Playback:
+    """How fast a recording is played, from where, and how often."""
 
     rate: float = 1.0
-    """Times its own speed."""
+    """Speed: 1 is as recorded."""
     loop: bool = False
     start_offset: float = 0.0
     """s into the recording."""
     clock: float = 0.0
     """Messages a second on /clock, Hz; 0: none."""
     wait: float = 10.0
-    """s to wait for subscribers at most."""
+    """s to wait for subscribers, at most."""
     subscribers: int = 1
     """How many to wait for."""
 
 
-def play(recording: Recording, pace: Pace) -> int:
-    """Play a recording; return the number of messages published. rclpy must be initialised."""
+def play_recording(recording: Recording, how: Playback) -> int:
+    """Play a recording; rclpy must be initialised.
+
+    Parameters
+    ----------
+    recording
+        Its joint states are published on their recorded topics.
+    how
+        How fast, from where, and how often.
+
+    Returns
+    -------
+    int
+        The number of messages published.
+
+    """
     node = rclpy.create_node('linkedplane_play')
     publishers = {
         topic: node.create_publisher(JointState, topic, OUTPUT_QOS) for topic in recording.topics
     }
-    clock = node.create_publisher(Clock, '/clock', CLOCK_QOS) if pace.clock else None
+    clock = node.create_publisher(Clock, CLOCK.name, qos.profile(CLOCK)) if how.clock else None
     try:
-        if not await_subscriber(list(publishers.values()), pace.wait, pace.subscribers):
-            node.get_logger().warning(f'no subscriber after {pace.wait:g} s; playing all the same')
+        if not await_subscribers(list(publishers.values()), how.wait, how.subscribers):
+            node.get_logger().warning(f'no subscriber after {how.wait:g} s; playing anyway')
         count = 0
         while True:
-            count += play_once(recording, pace, publishers, clock)
-            if not pace.loop:
+            count += play_once(recording, how, publishers, clock)
+            if not how.loop:
                 break
         for publisher in publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=5.0))
@@ -59,8 +74,8 @@ def play(recording: Recording, pace: Pace) -> int:
         node.destroy_node()
 
 
-def await_subscriber(publishers: list[Publisher], seconds: float, count: int = 1) -> bool:
-    """Wait until every publisher has so many subscribers, at most so many s; return whether."""
+def await_subscribers(publishers: list[Publisher], seconds: float, count: int = 1) -> bool:
+    """Wait up to `seconds` until every publisher has `count` subscribers; return whether it has."""
     deadline = time.monotonic() + seconds
     while any(publisher.get_subscription_count() < count for publisher in publishers):
         if time.monotonic() >= deadline:
@@ -72,26 +87,27 @@ def await_subscriber(publishers: list[Publisher], seconds: float, count: int = 1
 
 def play_once(
     recording: Recording,
-    pace: Pace,
+    how: Playback,
     publishers: dict[str, Publisher],
     clock: Publisher | None,
 ) -> int:
-    """Publish every message once at its time; return how many."""
-    begin = recording.start + round(1e9 * pace.start_offset)
+    """Publish every message once at its time; return their number."""
+    begin = recording.start + round(1e9 * how.start_offset)
     started = time.monotonic()
-    tick = 1.0 / pace.clock if pace.clock else 0.0
+    period = 1.0 / how.clock if how.clock else 0.0
     ticks = count = 0
 
     def wait_until(played: float) -> None:
-        """Sleep until so many seconds of the recording have passed, ticking the clock."""
+        """Sleep until `played` s of the recording have passed, publishing the clock meanwhile."""
         nonlocal ticks
-        while clock is not None and ticks * tick * pace.rate <= played:
-            sleep_until(started + ticks * tick)
-            clock.publish(Clock(clock=stamp(begin + round(1e9 * ticks * tick * pace.rate))))
+        while clock is not None and ticks * period * how.rate <= played:
+            sleep_until(started + ticks * period)
+            recorded = begin + round(1e9 * ticks * period * how.rate)
+            clock.publish(Clock(clock=time_message(recorded)))
             ticks += 1
-        sleep_until(started + played / pace.rate)
+        sleep_until(started + played / how.rate)
 
-    for message in recording.messages(pace.start_offset):
+    for message in recording.messages(how.start_offset):
         wait_until(1e-9 * (message.time - begin))
         publishers[message.topic].publish(message.data)
         count += 1
@@ -106,7 +122,7 @@ def sleep_until(moment: float) -> None:
         time.sleep(left)
 
 
-def stamp(nanoseconds: int) -> Time:
+def time_message(nanoseconds: int) -> Time:
     """Return ns since the epoch as a message."""
     seconds, rest = divmod(nanoseconds, 1_000_000_000)
     return Time(sec=seconds, nanosec=rest)

@@ -1,4 +1,4 @@
-"""The node's qualities of service, and what to do where a peer asks for others."""
+"""The quality of service of the node's topics, overrides of it, and peers that do not fit."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ from rclpy.qos import (
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.subscription import Subscription
 
+from ..errors import LinkedPlaneError
 from .topics import Topic
 
 BEST_EFFORT, RELIABLE = ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE
-MOST = 2**31 - 1  # the middleware's longest queue
+DEEPEST = 2**31 - 1  # messages: the middleware's longest queue
 VOLATILE, LATCHED = DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL
 
 
@@ -35,7 +36,7 @@ def profile(topic: Topic) -> QoSProfile:
     return QoSProfile(depth=topic.depth, reliability=ReliabilityPolicy[topic.reliability.upper()])
 
 
-def overridable() -> QoSOverridingOptions:
+def overridable_policies() -> QoSOverridingOptions:
     """Return the policies that a user may override by parameters, `qos_overrides.<topic>...`."""
     return QoSOverridingOptions(
         (
@@ -45,42 +46,42 @@ def overridable() -> QoSOverridingOptions:
             QoSPolicyKind.DURABILITY,
         ),
         callback=lambda profile: SetParametersResult(
-            successful=1 <= profile.depth <= MOST,
+            successful=1 <= profile.depth <= DEEPEST,
             reason=f'depth {profile.depth}, 1 or more expected',
         ),
     )
 
 
 @contextmanager
-def overrides_in_one_line() -> Iterator[None]:
-    """Turn what rclpy raises for a wrong override into a ValueError that tells what is right."""
+def override_errors() -> Iterator[None]:
+    """Turn what rclpy raises for a wrong override into a LinkedPlaneError of one line."""
     try:
         yield
     except RCLError:
         raise
     except (InvalidQosOverridesError, InvalidParameterTypeException) as error:
-        raise ValueError(str(error)) from None
+        raise LinkedPlaneError(str(error)) from None
     except RuntimeError as error:
-        raise ValueError(
+        raise LinkedPlaneError(
             f'{error}; history: keep_last or keep_all; reliability: reliable or best_effort; '
             'durability: volatile or transient_local'
         ) from None
 
 
-def misfits(node: Node, end: Publisher | Subscription) -> list[str]:
-    """Return a line for each peer of one of a node's ends whose quality of service does not fit.
+def describe_incompatible_peers(node: Node, end: Publisher | Subscription) -> list[str]:
+    """Return a line for each peer of a publisher or subscription that gets or gives no messages.
 
-    To be asked now and then: an event of the middleware names no peer, and each that is listened
-    for makes every wait of the executor longer.
+    Called once a second: the middleware's own events do not name the peer, and each of them makes
+    every wait of the executor longer.
     """
     topic = end.topic_name
     if isinstance(end, Publisher):
-        strangers = node.count_subscribers(topic) - end.get_subscription_count()
+        unmatched = node.count_subscribers(topic) - end.get_subscription_count()
     else:
-        strangers = node.count_publishers(topic) - end.get_publisher_count()
-    if strangers <= 0:
+        unmatched = node.count_publishers(topic) - end.get_publisher_count()
+    if unmatched <= 0:
         return []
-    own = QoSProfile(  # with what is left open as the graph tells it of the peers
+    own = QoSProfile(  # what is left open as in the graph's data on peers
         depth=1,
         reliability=end.qos_profile.reliability,
         durability=end.qos_profile.durability,
@@ -97,14 +98,14 @@ def misfits(node: Node, end: Publisher | Subscription) -> list[str]:
         pairs = [(peer.qos_profile, own) for peer in peers]
         line = 'nothing comes from {peer}: on {topic} it offers less than is asked for'
     return [
-        f'{line.format(peer=peer.node_name, topic=topic)}; {cure(end, *pair)}'
+        f'{line.format(peer=peer.node_name, topic=topic)}; {suggest_override(end, *pair)}'
         for peer, pair in zip(peers, pairs, strict=True)
         if qos_check_compatible(*pair)[0] == QoSCompatibility.ERROR
     ]
 
 
-def cure(end: Publisher | Subscription, offered: QoSProfile, wanted: QoSProfile) -> str:
-    """Return what makes one of our ends fit its peer."""
+def suggest_override(end: Publisher | Subscription, offered: QoSProfile, wanted: QoSProfile) -> str:
+    """Return how to make a publisher or subscription of this node fit its peer."""
     offers = isinstance(end, Publisher)
     kind = 'publisher' if offers else 'subscription'
     values = {
@@ -116,4 +117,6 @@ def cure(end: Publisher | Subscription, offered: QoSProfile, wanted: QoSProfile)
         for policy, (less, more, value) in values.items()
         if getattr(offered, policy) == less and getattr(wanted, policy) == more
     ]
-    return f'start this node with {" ".join(overrides)}' if overrides else 'change its profile'
+    if not overrides:
+        return 'change its quality of service'
+    return f'start this node with {" ".join(overrides)}'

@@ -55,7 +55,7 @@ def markers_displays(name: str) -> tuple[list[dict], dict]:
 def test_the_namespaces_of_the_markers_are_these() -> None:
     muscle = BroadMuscle.load('deltoid')
     state = LinkedPlaneSolver(muscle).solve(np.eye(3))
-    markers = MuscleMarkers(muscle, 'scapula', 2).at(state, Time()).markers
+    markers = MuscleMarkers(muscle, 'scapula', 2).update(state, Time()).markers
     assert {marker.ns for marker in markers} == NAMESPACES
 
 

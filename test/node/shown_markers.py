@@ -30,7 +30,7 @@ def states_with_markers(
     markers = MuscleMarkers(DELTOID, 'scapula', points)
     for rotation in POSES:
         state = side.solve(rotation)
-        yield state, markers.at(state, STAMP)
+        yield state, markers.update(state, STAMP)
 
 
 def through_middleware(array: MarkerArray) -> MarkerArray:

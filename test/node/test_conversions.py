@@ -32,7 +32,7 @@ def answers(
     state: MuscleState = STATE, arms: np.ndarray = ARMS, lengthening: np.ndarray | None = None
 ) -> Mapping[str, Any]:
     """Return the answers at a state."""
-    return Answers(BANDS, THESIS.coordinates, 'scapula').at(STAMP, state, arms, lengthening)
+    return Answers(BANDS, THESIS.coordinates, 'scapula').update(STAMP, state, arms, lengthening)
 
 
 def test_the_messages_check_their_fields_in_these_tests() -> None:
@@ -115,15 +115,15 @@ def test_bands_are_joints_with_lengths_as_positions_and_lengthening_as_velocitie
 
 def test_without_speeds_the_velocity_is_empty_though_the_last_ones_was_not() -> None:
     made = Answers(BANDS, THESIS.coordinates, 'scapula')
-    assert len(made.at(STAMP, STATE, ARMS, STATE.lengths)['band_states'].velocity) == 9
-    message = received(made.at(STAMP, STATE, ARMS, None)['band_states'])
+    assert len(made.update(STAMP, STATE, ARMS, STATE.lengths)['band_states'].velocity) == 9
+    message = received(made.update(STAMP, STATE, ARMS, None)['band_states'])
     assert message.position.tolist() == STATE.lengths.tolist()
     assert len(message.velocity) == 0
 
 
 def test_the_same_messages_are_filled_in_from_state_to_state() -> None:
     made = Answers(BANDS, THESIS.coordinates, 'scapula')
-    first = {topic: id(message) for topic, message in made.at(STAMP, STATE, ARMS, None).items()}
+    first = {topic: id(message) for topic, message in made.update(STAMP, STATE, ARMS, None).items()}
     assert {
-        topic: id(message) for topic, message in made.at(STAMP, STATE, ARMS, None).items()
+        topic: id(message) for topic, message in made.update(STAMP, STATE, ARMS, None).items()
     } == first

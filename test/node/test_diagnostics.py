@@ -13,7 +13,13 @@ from sensor_msgs.msg import JointState
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.joints.joint_state import REASONS
-from linkedplane_ros.node.diagnostics import STALE_AFTER, TIMED, Tally, milliseconds, status
+from linkedplane_ros.node.diagnostics import (
+    STALE_AFTER,
+    TIMED,
+    Tally,
+    build_status,
+    summarise_times,
+)
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
 OK, WARN, ERROR, STALE = (
@@ -31,75 +37,76 @@ def heard(*, answered: int = 0, rejected: int = 0, age: float = 0.1) -> Tally:
     tally = Tally(received=answered + rejected, answered=answered, last_arrival=NOW - age)
     tally.rejected['degrees'] = rejected
     if rejected:
-        tally.last_line = 'degrees?'
+        tally.last_rejection = 'degrees?'
     return tally
 
 
 def told(tally: Tally) -> dict[str, str]:
     """Return the values of a status."""
-    told = status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
+    told = build_status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
     return {item.key: item.value for item in told.values}
 
 
 def test_without_input_the_level_is_stale() -> None:
-    assert Tally().level(NOW) == (STALE, 'no joint states received yet')
+    assert Tally().assess(NOW) == (STALE, 'no joint states received yet')
 
 
 def test_input_that_has_ended_is_stale() -> None:
-    level, line = heard(answered=5, age=7.5).level(NOW)
+    level, line = heard(answered=5, age=7.5).assess(NOW)
     assert level == STALE
     assert '7.5 s' in line
-    assert heard(answered=5, age=STALE_AFTER).level(NOW)[0] == OK
+    assert heard(answered=5, age=STALE_AFTER).assess(NOW)[0] == OK
 
 
 def test_answered_input_is_ok() -> None:
-    assert heard(answered=5).level(NOW)[0] == OK
+    assert heard(answered=5).assess(NOW)[0] == OK
 
 
 def test_input_of_which_nothing_was_usable_is_an_error_that_says_why() -> None:
     tally = heard(rejected=3)
     for _ in range(2):
-        level, line = tally.level(NOW)
+        level, line = tally.assess(NOW)
         assert level == ERROR
         assert 'degrees?' in line
 
 
 def test_rejected_input_warns_once_and_says_why() -> None:
     tally = heard(answered=5, rejected=2)
-    level, line = tally.level(NOW)
+    level, line = tally.assess(NOW)
     assert level == WARN
     assert line.startswith('2 rejected')
     assert 'degrees?' in line
-    assert tally.level(NOW)[0] == OK
+    assert tally.assess(NOW)[0] == OK
     tally.rejected['sizes'] += 1
-    level, line = tally.level(NOW)
+    level, line = tally.assess(NOW)
     assert level == WARN
     assert line.startswith('1 rejected')
-    assert tally.level(NOW)[0] == OK
+    assert tally.assess(NOW)[0] == OK
 
 
 def test_near_the_singularity_the_line_says_so_and_the_level_stays() -> None:
     tally = heard(answered=5)
     tally.near_singular = 3
-    assert tally.level(NOW) == (
+    assert tally.assess(NOW) == (
         OK,
-        'answering; 3 near the singularity: two moment arms say nearly the same, use the moment '
-        'vectors',
+        'answering; 3 near the singularity, where two moment arms are nearly equal: use the '
+        'moment vectors',
     )
-    assert tally.level(NOW) == (OK, 'answering')
+    assert tally.assess(NOW) == (OK, 'answering')
     assert told(tally)['answers near the singularity'] == '3'
 
 
 def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
     tally = heard(answered=5)
-    tally.misfits = ['nothing comes from lab']
-    assert tally.level(NOW) == (WARN, 'nothing comes from lab')
-    assert Tally(misfits=['nothing comes from lab']).level(NOW)[1] == 'nothing comes from lab'
+    tally.incompatible_peers = ['nothing comes from lab']
+    assert tally.assess(NOW) == (WARN, 'nothing comes from lab')
+    silent = Tally(incompatible_peers=['nothing comes from lab'])
+    assert silent.assess(NOW) == (STALE, 'nothing comes from lab')
 
 
 def test_a_status_has_what_it_was_given_and_every_counter() -> None:
     tally = heard(answered=5, rejected=2)
-    made = status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
+    made = build_status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
     assert (made.name, made.hardware_id, made.level) == (
         'node: deltoid',
         'deltoid, right',
@@ -119,7 +126,7 @@ def test_a_status_has_what_it_was_given_and_every_counter() -> None:
 def test_no_key_stands_twice() -> None:
     tally = heard(answered=1)
     tally.last_state = LinkedPlaneSolver(BroadMuscle.load('deltoid')).solve(np.eye(3))
-    keys = [item.key for item in status(tally, 'n', 'h', NOW, {}).values]
+    keys = [item.key for item in build_status(tally, 'n', 'h', NOW, {}).values]
     assert len(set(keys)) == len(keys)
 
 
@@ -146,7 +153,7 @@ def test_times_are_mean_99th_percentile_and_worst_in_ms() -> None:
 def test_times_look_back_on_the_newest_callbacks_alone() -> None:
     tally = Tally()
     tally.solve_times.extend([1.0] + [0.001] * TIMED)
-    assert milliseconds(tally.solve_times)['worst'] == '1.000'
+    assert summarise_times(tally.solve_times)['worst'] == '1.000'
 
 
 def test_the_last_state_is_told_as_theta_and_how_the_bands_lie() -> None:

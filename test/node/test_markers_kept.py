@@ -56,7 +56,7 @@ def test_a_band_that_loses_its_sphere_and_wraps_again_shows_no_old_point() -> No
     markers = MuscleMarkers(DELTOID, 'scapula', 16)
     sizes = []
     for rotation in (POSES[0], POSES[1], POSES[0]):
-        array = through_middleware(markers.at(RIGHT.solve(rotation), STAMP))
+        array = through_middleware(markers.update(RIGHT.solve(rotation), STAMP))
         sizes.append([len(marker.points) for marker in in_namespace(array, 'bands')])
     assert sizes[0] == sizes[2]
     assert 18 in sizes[0]
@@ -68,7 +68,7 @@ def test_markers_stay_until_they_are_replaced_and_follow_the_frame() -> None:
         markers = MuscleMarkers(DELTOID, frame, 16)
         for k, rotation in enumerate(POSES):
             stamp = Time(sec=100 + k, nanosec=7 * k)
-            for marker in markers.at(RIGHT.solve(rotation), stamp).markers:
+            for marker in markers.update(RIGHT.solve(rotation), stamp).markers:
                 assert marker.header.frame_id == frame
                 assert marker.header.stamp == stamp
                 assert marker.frame_locked
@@ -85,16 +85,16 @@ def test_clearing_removes_every_marker_of_every_namespace() -> None:
 
 def test_the_same_markers_are_moved_from_state_to_state() -> None:
     markers = MuscleMarkers(DELTOID, 'scapula', 16)
-    first = list(markers.at(RIGHT.solve(POSES[0]), STAMP).markers)
+    first = list(markers.update(RIGHT.solve(POSES[0]), STAMP).markers)
     points = [id(point) for point in first[-1].points[:2]]
-    second = markers.at(RIGHT.solve(POSES[2]), STAMP).markers
+    second = markers.update(RIGHT.solve(POSES[2]), STAMP).markers
     assert all(one is other for one, other in zip(first, second, strict=True))
     assert [id(point) for point in second[-1].points[:2]] == points
 
 
 def test_two_sets_of_markers_do_not_share_any() -> None:
     one, other = (
-        MuscleMarkers(DELTOID, 'scapula', 16).at(RIGHT.solve(rotation), STAMP)
+        MuscleMarkers(DELTOID, 'scapula', 16).update(RIGHT.solve(rotation), STAMP)
         for rotation in POSES[:2]
     )
     assert not {id(marker) for marker in one.markers} & {id(marker) for marker in other.markers}
@@ -108,15 +108,15 @@ def test_a_band_with_an_end_inside_its_sphere_is_deleted_and_comes_back() -> Non
     for rotation in rotations:
         state = solver.solve(rotation)
         for marker, wrap in zip(
-            in_namespace(markers.at(state, STAMP), 'bands'), state.wrap.tolist(), strict=True
+            in_namespace(markers.update(state, STAMP), 'bands'), state.wrap.tolist(), strict=True
         ):
             inside = wrap == WrapState.INSIDE
             assert marker.action == (Marker.DELETE if inside else Marker.ADD)
-        actions.append(in_namespace(markers.at(state, STAMP), 'bands')[0].action)
+        actions.append(in_namespace(markers.update(state, STAMP), 'bands')[0].action)
     assert actions[0] == Marker.DELETE
     usual = MuscleMarkers(WIDE, 'scapula', 16)
-    usual.at(solver.solve(np.eye(3)), STAMP)
-    back = in_namespace(usual.at(RIGHT.solve(np.eye(3)), STAMP), 'bands')[0]
+    usual.update(solver.solve(np.eye(3)), STAMP)
+    back = in_namespace(usual.update(RIGHT.solve(np.eye(3)), STAMP), 'bands')[0]
     assert back.action == Marker.ADD
     assert len(back.points) >= 2
 
@@ -127,7 +127,7 @@ def test_no_marker_holds_a_number_that_is_not_finite(
     angles: tuple[float, float, float], side: LinkedPlaneSolver
 ) -> None:
     state = side.solve(THESIS.rotation(angles))
-    for marker in MARKERS.at(state, STAMP).markers:
+    for marker in MARKERS.update(state, STAMP).markers:
         assert np.isfinite(numbers(marker)).all()
         assert marker.scale.x > 0.0
 

@@ -126,7 +126,7 @@ def test_a_sphere_that_bands_share_is_shown_once() -> None:
         sphere_radii=np.full(9, 0.02),
     )
     state = LinkedPlaneSolver(shared).solve(POSES[1])
-    markers = through_middleware(MuscleMarkers(shared, 'scapula', 16).at(state, STAMP)).markers
+    markers = through_middleware(MuscleMarkers(shared, 'scapula', 16).update(state, STAMP)).markers
     spheres = [marker for marker in markers if marker.ns == 'obstacle_spheres']
     assert [marker.id for marker in spheres] == [0, 5, 6, 7, 8]
     assert rgb(spheres[0]) == pytest.approx(SHARED, abs=1e-6)  # of two heads
@@ -184,7 +184,9 @@ def test_a_muscle_without_interference_spheres_has_no_marks() -> None:
         interference_radii=np.empty(0),
         interference_names=(),
     )
-    array = MuscleMarkers(free, 'scapula', 16).at(LinkedPlaneSolver(free).solve(POSES[0]), STAMP)
+    array = MuscleMarkers(free, 'scapula', 16).update(
+        LinkedPlaneSolver(free).solve(POSES[0]), STAMP
+    )
     assert not {'interferences', 'interference_spheres'} & {marker.ns for marker in array.markers}
 
 

@@ -51,7 +51,7 @@ def test_a_subscriber_that_does_not_fit_is_named_with_the_override_that_cures_it
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     viewer.create_subscription(MarkerArray, 'deltoid/markers', lambda _: None, latched)
     assert peer.until(lambda: peer.values()['peers that do not fit'] == '1')
-    [line] = node._muscles[0].tally.misfits
+    [line] = node._muscles[0].tally.incompatible_peers
     assert line == (
         'viewer receives nothing: on /deltoid/markers it asks for more than is offered; start '
         'this node with -p qos_overrides./deltoid/markers.publisher.durability:=transient_local'

@@ -24,7 +24,7 @@ DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 STATE = SOLVER.solve(THESIS.rotation((0.9, 0.3, 0.1)))
-ARRAY = MuscleMarkers(DELTOID, 'scapula', 16).at(STATE, Time(sec=3))
+ARRAY = MuscleMarkers(DELTOID, 'scapula', 16).update(STATE, Time(sec=3))
 
 
 def kept(*arrays: MarkerArray) -> Markers:
