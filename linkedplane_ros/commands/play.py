@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> None:
     """Play a recording's joint states."""
     from ..recordings.bags import Recording
 
-    recording = Recording.open(args.bag)
+    recording = Recording.from_bag(args.bag)
     length = 1e-9 * (recording.end - recording.start)
     if args.start_offset > length:
         raise LinkedPlaneError(

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention, turn
 from ..muscle.broad_muscle import BroadMuscle
-from ..recordings.tables import csv_rows, lines_of, listed, number, place
+from ..recordings.tables import csv_rows, find_column, join_names, open_lines, parse_number
 from ..types import Floats
 
 # Turns from the arm at the side about an axis that stays in the scapula (thesis ch. 5): x lateral,
@@ -101,7 +101,7 @@ def read(
     are taken as they stand.
     """
     path = Path(path)
-    with lines_of(path) as (lines, _):
+    with open_lines(path) as (lines, _):
         rows = csv_rows(lines)
         line, names = next(rows, (1, []))
         columns = Columns.of(line, [name.strip() for name in names], convention)
@@ -146,14 +146,14 @@ class Columns:
             raise RecordingError(
                 f"{line}: a column 'motion' (with angle_deg) or 'about' (with "
                 f'{", ".join(f"{each}_deg" for each in turns.coordinates)}) expected; found '
-                f'{listed(names)}'
+                f'{join_names(names)}'
             )
         angles = ('angle',) if by_motion else turns.coordinates
         part = next((name for name in PARTS if name in names), PARTS[0])
         columns = Columns(
             tuple(names),
-            place(line, names, part),
-            place(line, names, 'motion' if by_motion else 'about'),
+            find_column(line, names, part),
+            find_column(line, names, 'motion' if by_motion else 'about'),
             tuple(_unit_column(line, names, each, ('deg', 'rad')) for each in angles),
             _unit_column(line, names, 'length', ('mm', 'm'), needed=False),
             _unit_column(line, names, 'moment_arm', ('mm', 'm'), needed=False),
@@ -176,7 +176,7 @@ class Columns:
 
         def value(column: tuple[int, float]) -> float:
             k, unit = column
-            return unit * number(line, self.names[k], cells[k]) if k >= 0 else math.nan
+            return unit * parse_number(line, self.names[k], cells[k]) if k >= 0 else math.nan
 
         part, motion = cells[self.part].strip(), cells[self.motion].strip()
         motions = tuple(MOTIONS) if self.convention is None else self.convention.coordinates
@@ -235,11 +235,11 @@ def _unit_column(
     if len(found) > 1 or (needed and not found):
         raise RecordingError(
             f'{line}: one column {" or ".join(f"{name}_{unit}" for unit in units)} expected; '
-            f'found {listed(names)}'
+            f'found {join_names(names)}'
         )
     if not found:
         return -1, 1.0
-    return place(line, names, f'{name}_{found[0]}'), UNITS[found[0]]
+    return find_column(line, names, f'{name}_{found[0]}'), UNITS[found[0]]
 
 
 def _stepped(measurements: Sequence[Measurement], step: float) -> Iterator[Measurement]:

@@ -130,7 +130,7 @@ def main() -> int:
     """Run the demonstration; return 0 if every joint state was answered on every topic."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
-    recording = Recording.open(sample_folder() / 'arm_raise')
+    recording = Recording.from_bag(sample_folder() / 'arm_raise')
     muscle = BroadMuscle.load('deltoid')
     run = [sys.executable, '-m']
     node = subprocess.Popen([*run, 'linkedplane_ros.node', *RELIABLE_INPUT])

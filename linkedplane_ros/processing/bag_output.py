@@ -9,7 +9,7 @@ from typing import Any
 
 from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC, Pace
 from ..errors import RecordingError
-from ..recordings.bags import JOINT_STATE, opened
+from ..recordings.bags import JOINT_STATE, open_bag
 from .cdr import JointStates, SerializedAnswers
 from .cdr_markers import SerializedMarkers
 from .outputs import Described, Solved
@@ -28,7 +28,7 @@ class BagOutput:
         muscle, plugin = described.muscle, StoragePlugin.MCAP
         originals: list[Any] = []
         if source is not None:
-            with closing(opened(source)) as reader:
+            with closing(open_bag(source)) as reader:
                 originals = list(reader.connections)
                 if any('.db3' in each.name for each in files_of(source)):
                     plugin = StoragePlugin.SQLITE3

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.joint_state import JointMap
-from ..recordings.frames import Bones
+from ..recordings.poses import BoneFrames
 
 RHYTHM = 2.0  # glenohumeral to scapulothoracic elevation, on the average (Inman 1944)
 
@@ -94,9 +94,9 @@ class Options:
         return JointMap((a, b, c), (i, j, k), (x, y, z))
 
     @property
-    def bones(self) -> Bones | None:
+    def bones(self) -> BoneFrames | None:
         """The frames to take the angles from; None: they are joint angles."""
         if self.humerus is None:
             return None
         axes, rhythm = self.frame_axes or 'model', self.rhythm or RHYTHM
-        return Bones(self.humerus, self.scapula, self.thorax, axes, rhythm)
+        return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm)

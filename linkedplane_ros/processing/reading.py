@@ -16,8 +16,8 @@ from ..drawing.plot import Processed
 from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, Rejected
-from ..recordings.bag_motion import JointTaker
-from ..recordings.bags import deserialized, opened
+from ..recordings.bag_motion import JointFrameReader
+from ..recordings.bags import deserialize_message, open_bag
 from ..recordings.motion import Frame
 from ..types import Floats
 from .topics import read_label
@@ -86,26 +86,26 @@ def from_bag(path: Path) -> Processed:
     except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
         raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
     return assembled(
-        path, facts, columns_of_bag(path, muscle, JointTaker(topic, JointMemory(joints)))
+        path, facts, columns_of_bag(path, muscle, JointFrameReader(topic, JointMemory(joints)))
     )
 
 
-def columns_of_bag(path: Path, muscle: str, taker: JointTaker) -> dict[str, Floats]:
+def columns_of_bag(path: Path, muscle: str, frame_reader: JointFrameReader) -> dict[str, Floats]:
     """Return the columns of an annotated bag: the angles and the answers to them."""
     wanted = {f'/{muscle}/{name}': name for name in ('band_lengths', 'moment_arms', 'wrap_states')}
     answers: dict[str, list[Any]] = {name: [] for name in wanted.values()}
     frames: list[Frame] = []
     answered: list[Frame] = []
     names: dict[str, tuple[str, ...]] = {}
-    with closing(opened(path)) as reader:
+    with closing(open_bag(path)) as reader:
         for connection, time, data in reader.messages():
             topic = connection.topic
-            if taker.wants(topic, connection.msgtype):
-                message = deserialized(reader, data, connection.msgtype)
+            if frame_reader.accepts(topic, connection.msgtype):
+                message = deserialize_message(reader, data, connection.msgtype)
                 with suppress(Rejected):
-                    frames = list(taker.take(message, topic, time))
+                    frames = list(frame_reader.read_frames(message, topic, time))
             elif topic in wanted:
-                message = deserialized(reader, data, connection.msgtype)
+                message = deserialize_message(reader, data, connection.msgtype)
                 answers[wanted[topic]].append(message.data)
                 names = dict(read_label(dim.label) for dim in message.layout.dim) | names
                 if wanted[topic] == 'band_lengths':  # the first of an answer

@@ -20,8 +20,8 @@ from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
-from ..recordings.motion import Chunk, Motion, Refused
-from ..recordings.smoothing import Smoothed
+from ..recordings.motion import Chunk, Motion, Refusals
+from ..recordings.smoothing import SmoothedMotion
 from ..recordings.table_motion import TableMotion
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..types import Floats
@@ -66,12 +66,12 @@ def motion_of(task: Task) -> Motion:
             raise RecordingError(f'{source}: a table has no frames; --humerus is for bags')
         motion = TableMotion(source, options.joint_map, options.degrees)
     elif bones is not None:
-        motion = BagMotion.of_poses(source, bones, convention, options.side)
+        motion = BagMotion.from_poses(source, bones, convention, options.side)
     else:
-        motion = BagMotion.of_joints(source, options.joint_map, options.topic)
+        motion = BagMotion.from_joint_states(source, options.joint_map, options.topic)
     if options.rate is None and options.lowpass is None and not options.differentiate:
         return motion
-    return Smoothed(motion, options.rate, options.lowpass)
+    return SmoothedMotion(motion, options.rate, options.lowpass)
 
 
 def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
@@ -80,7 +80,7 @@ def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
     angles_topic = ''
     if isinstance(motion, TableMotion):
         angles_topic = '/joint_states'
-    elif isinstance(motion, Smoothed) or options.bones is not None:
+    elif isinstance(motion, SmoothedMotion) or options.bones is not None:
         angles_topic = f'/{muscle.name}/joint_states'
     lowpass = 'no'
     if options.lowpass is not None:
@@ -117,7 +117,7 @@ def output(path: Path, kind: str, described: Described, motion: Motion) -> Outpu
 
 
 def solved(
-    chunk: Chunk, solver: LinkedPlaneSolver, convention: JointConvention, refused: Refused
+    chunk: Chunk, solver: LinkedPlaneSolver, convention: JointConvention, refused: Refusals
 ) -> Solved:
     """Solve a chunk; frames at which a band has no plane are refused and left out."""
     rotations, axes = convention.rotations_and_axes(chunk.angles, solver.side)
@@ -127,7 +127,7 @@ def solved(
         good = np.array([solvable(solver, each) for each in rotations])
         for stamp in chunk.stamps[~good].tolist():
             refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
-        return solved(chunk.of(good), solver, convention, refused)
+        return solved(chunk.select(good), solver, convention, refused)
     arms = states.moment_vectors @ axes
     lengthening = -np.einsum('knj,kj->kn', arms, chunk.speeds)
     return Solved(chunk, states, arms, lengthening)

@@ -13,12 +13,12 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap, JointMemory, Rejected
-from .bags import JOINT_STATE, deserialized, opened
-from .frames import POSE_TYPES, TF_TYPE, Bones, PoseMemory
-from .motion import ROWS, Chunk, Frame, Refused
+from .bags import JOINT_STATE, deserialize_message, open_bag
+from .motion import ROWS, Chunk, Frame, Refusals
+from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
 
-USUAL = '/joint_states'
-BYTES = 2**24  # of a bag's messages, held at a time
+DEFAULT_TOPIC = '/joint_states'
+BATCH_BYTES = 2**24  # of a bag's messages, held at a time
 
 
 class Batch(NamedTuple):
@@ -31,32 +31,32 @@ class Batch(NamedTuple):
     last: bool = False
 
 
-class Taker(Protocol):
-    """Makes frames of a bag's messages."""
+class FrameReader(Protocol):
+    """Reads the frames of a motion out of a bag's messages."""
 
     @property
     def facts(self) -> Mapping[str, str]:
-        """What is taken."""
+        """What is read, for an output's metadata."""
 
-    def wants(self, topic: str, kind: str) -> bool:
-        """Return whether a topic's messages are to be taken."""
+    def accepts(self, topic: str, kind: str) -> bool:
+        """Return whether a topic's messages of a type are read."""
 
-    def take(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
-        """Yield the frames that a message, recorded at a time (ns), completes.
+    def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
+        """Yield the frames that a message completes, recorded at a time in ns.
 
-        Rejected if it is no good.
+        Rejected where it cannot be used.
         """
 
-    def rest(self) -> Iterator[Frame]:
+    def last_frames(self) -> Iterator[Frame]:
         """Yield the frames that only the end of the recording completes."""
 
-    def unused(self) -> Iterator[tuple[str, int, str]]:
-        """Yield why, how many and where, of what gave no frame and was not rejected."""
+    def unused_messages(self) -> Iterator[tuple[str, int, str]]:
+        """Yield why, how many and where: messages without a frame that were not rejected."""
 
 
 @dataclass
-class JointTaker:
-    """Joint states, taken as the node takes them."""
+class JointFrameReader:
+    """Reads frames out of joint states, as the node does."""
 
     topic: str
     memory: JointMemory
@@ -67,11 +67,11 @@ class JointTaker:
         velocities = 'recorded, where the recording has them'
         return {'topic': self.topic, **self.memory.joints.facts, 'velocities': velocities}
 
-    def wants(self, topic: str, kind: str) -> bool:
+    def accepts(self, topic: str, kind: str) -> bool:
         """Return whether these are the joint states chosen."""
         return kind == JOINT_STATE and topic == self.topic
 
-    def take(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
+    def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
         """Yield the one frame of a message."""
         angles, speeds, _ = self.memory.take(
             message.name, message.position.tolist(), message.velocity.tolist()
@@ -79,76 +79,121 @@ class JointTaker:
         stamp = message.header.stamp
         yield Frame(stamp.sec * 10**9 + stamp.nanosec, time, angles, speeds)
 
-    def rest(self) -> Iterator[Frame]:
+    def last_frames(self) -> Iterator[Frame]:
         """Yield nothing: no message waits for another."""
         yield from ()
 
-    def unused(self) -> Iterator[tuple[str, int, str]]:
+    def unused_messages(self) -> Iterator[tuple[str, int, str]]:
         """Yield nothing: each message has its frame, or was rejected."""
         yield from ()
 
 
 class BagMotion:
-    """The frames of a bag, and all its messages."""
+    """The motion in a bag, and all the bag's messages.
 
-    def __init__(self, path: Path, taker: Taker) -> None:
-        """Look into the bag; RecordingError if it is no good."""
+    Parameters
+    ----------
+    path
+        The bag's folder, or one of its files.
+    frame_reader
+        What makes frames of its messages.
+
+    Raises
+    ------
+    RecordingError
+        If the bag cannot be read.
+    """
+
+    def __init__(self, path: Path, frame_reader: FrameReader) -> None:
+        """Read what the bag says of itself; its messages are read by `chunks`."""
         self.path: Path = path
-        self.refused: Refused = Refused()
-        self.taker = taker
-        self.facts: Mapping[str, str] = taker.facts
+        self.refused: Refusals = Refusals()
+        self.frame_reader = frame_reader
+        self.facts: Mapping[str, str] = frame_reader.facts
         self.keeps_records = True
-        with closing(opened(path)) as reader:
+        with closing(open_bag(path)) as reader:
             self.start: int = reader.start_time
             self.count: int = reader.message_count
 
     @staticmethod
-    def of_joints(path: Path, joints: JointMap, topic: str | None) -> BagMotion:
-        """Return a bag's joint states: on the topic chosen, the usual one, or the only one."""
-        with closing(opened(path)) as reader:
-            found = {each.topic for each in reader.connections if each.msgtype == JOINT_STATE}
-            if topic is None and USUAL in found:
-                topic = USUAL
-            if topic is None and len(found) > 1:
+    def from_joint_states(path: Path, joints: JointMap, topic: str | None) -> BagMotion:
+        """Return the motion in a bag's joint states.
+
+        Parameters
+        ----------
+        path
+            The bag.
+        joints
+            Which joints are the convention's coordinates.
+        topic
+            The topic of the joint states; None: /joint_states, or the only one.
+
+        Raises
+        ------
+        RecordingError
+            If the bag has no such topic, or several and none is chosen.
+        """
+        with closing(open_bag(path)) as reader:
+            topics = {each.topic for each in reader.connections if each.msgtype == JOINT_STATE}
+            if topic is None and DEFAULT_TOPIC in topics:
+                topic = DEFAULT_TOPIC
+            if topic is None and len(topics) > 1:
                 raise RecordingError(
-                    f'{path}: joint states on {", ".join(sorted(found))}; choose one with --topic'
+                    f'{path}: joint states on {", ".join(sorted(topics))}; choose one with --topic'
                 )
-            if not found or (topic is not None and topic not in found):
+            if not topics or (topic is not None and topic not in topics):
                 kinds = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in reader.connections}))
                 wanted = f'no {JOINT_STATE}' + (f' on {topic}' if topic else '')
                 raise RecordingError(f'{path}: {wanted} in it, but {kinds or "nothing"}')
-        return BagMotion(path, JointTaker(topic or found.pop(), JointMemory(joints)))
+        return BagMotion(path, JointFrameReader(topic or topics.pop(), JointMemory(joints)))
 
     @staticmethod
-    def of_poses(
-        path: Path, bones: Bones, convention: JointConvention, side: str = 'right'
+    def from_poses(
+        path: Path, bones: BoneFrames, convention: JointConvention, side: str = 'right'
     ) -> BagMotion:
-        """Return the motion of the humerus against another bone."""
-        with closing(opened(path)) as reader:
+        """Return the motion of the humerus against another bone, from the poses in a bag.
+
+        Parameters
+        ----------
+        path
+            The bag.
+        bones
+            Which frames are the bones.
+        convention
+            What the angles shall mean.
+        side
+            'right' or 'left': which shoulder the frames are of.
+
+        Raises
+        ------
+        RecordingError
+            If the bag has neither poses of the frames nor /tf.
+        """
+        with closing(open_bag(path)) as reader:
             topics = {each.topic: each.msgtype for each in reader.connections}
             if TF_TYPE not in topics.values():
                 for name in (bones.humerus, bones.base):
                     if topics.get(name) not in POSE_TYPES:
                         held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
                         raise RecordingError(
-                            f'{path}: {name} is neither a topic of {" or ".join(POSE_TYPES)} '
-                            f'nor, for want of /tf, a frame; in it: {held or "nothing"}'
+                            f'{path}: {name} is no topic of {" or ".join(POSE_TYPES)}, and there '
+                            f'is no /tf with frames; in it: {held or "nothing"}'
                         )
-        return BagMotion(path, PoseMemory(bones, convention, side))
+        return BagMotion(path, PoseFrameReader(bones, convention, side))
 
-    def records(self) -> Iterator[Batch]:
-        """Yield all messages, some at a time."""
-        with closing(opened(self.path)) as reader:
-            yield from self._records(reader)
+    def batches(self) -> Iterator[Batch]:
+        """Yield all messages of the bag, some at a time."""
+        with closing(open_bag(self.path)) as reader:
+            yield from self._read_batches(reader)
 
-    def _records(self, reader: Any) -> Iterator[Batch]:
+    def _read_batches(self, reader: Any) -> Iterator[Batch]:
         messages = reader.messages()
         read = 0
         while True:
             records: list[Any] = []
             held = 0  # bytes
             try:
-                while len(records) < ROWS and held < BYTES:
+                while len(records) < ROWS and held < BATCH_BYTES:
                     connection, time, data = next(messages)
                     records.append((connection, time, bytes(data)))
                     held += len(data)
@@ -163,40 +208,41 @@ class BagMotion:
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
         number = 0
-        with closing(opened(self.path)) as reader:
-            for batch in self._records(reader):
+        with closing(open_bag(self.path)) as reader:
+            for batch in self._read_batches(reader):
                 frames: list[Frame] = []
                 follows: list[int] = []
                 for k, (connection, time, data) in enumerate(batch.records):
-                    if not self.taker.wants(connection.topic, connection.msgtype):
+                    if not self.frame_reader.accepts(connection.topic, connection.msgtype):
                         continue
                     number += 1
                     for frame in self._frames(reader, connection, time, data, number):
                         frames.append(frame)
                         follows.append(k)
                 if batch.last:
-                    rest = list(self._answered(self.taker.rest(), self._where(number, 0)))
+                    last = self.frame_reader.last_frames()
+                    rest = list(self._count_rejected(last, self._position(number, 0)))
                     frames += rest
                     follows += [len(batch.records) - 1] * len(rest)
                 yield self._chunk(frames, follows, batch)
-        for reason, count, where in self.taker.unused():
+        for reason, count, where in self.frame_reader.unused_messages():
             self.refused.add(reason, where, count)
 
-    def _where(self, number: int, time: int) -> str:
+    def _position(self, number: int, time: int) -> str:
         return f'message {number}' + (f', {1e-9 * (time - self.start):.2f} s' if time else '')
 
     def _frames(
         self, reader: Any, connection: Any, time: int, data: bytes, number: int
     ) -> Iterator[Frame]:
-        """Yield the frames of a message; count it as refused if it is no good."""
+        """Yield the frames of a message; count it as refused if it cannot be used."""
         try:
-            message = deserialized(reader, data, connection.msgtype)
+            message = deserialize_message(reader, data, connection.msgtype)
         except Exception as error:
             raise RecordingError(f'{self.path}: message {number} is damaged: {error}') from None
-        taken = self.taker.take(message, connection.topic, time)
-        yield from self._answered(taken, self._where(number, time))
+        frames = self.frame_reader.read_frames(message, connection.topic, time)
+        yield from self._count_rejected(frames, self._position(number, time))
 
-    def _answered(self, frames: Iterator[Frame], where: str) -> Iterator[Frame]:
+    def _count_rejected(self, frames: Iterator[Frame], where: str) -> Iterator[Frame]:
         try:
             yield from frames
         except Rejected as error:

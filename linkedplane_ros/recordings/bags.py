@@ -14,7 +14,7 @@ JOINT_STATE = 'sensor_msgs/msg/JointState'
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RecordedMessage:
     """One recorded message, as its bytes stand in the recording."""
 
     topic: str
@@ -26,7 +26,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class Recording:
-    """A rosbag2 recording that holds JointStates."""
+    """A rosbag2 recording that holds JointStates; its messages stay on disk until asked for."""
 
     path: Path
     topics: tuple[str, ...]
@@ -34,38 +34,62 @@ class Recording:
     start: int
     """The time of its first message of any kind, ns since the epoch."""
     end: int
+    """The time of its last message of any kind, ns since the epoch."""
     count: int
     """How many JointStates it holds."""
 
     @staticmethod
-    def open(path: str | Path) -> Recording:
-        """Look into a bag (a folder, or an .mcap or .db3 file); RecordingError if it is no good."""
+    def from_bag(path: str | Path) -> Recording:
+        """Return what a bag holds.
+
+        Parameters
+        ----------
+        path
+            The bag's folder, or an .mcap or .db3 file.
+
+        Raises
+        ------
+        RecordingError
+            If it cannot be read, or holds no JointState.
+        """
         path = Path(path)
-        with closing(opened(path)) as reader:
-            found = [c for c in reader.connections if c.msgtype == JOINT_STATE]
-            count = sum(c.msgcount for c in found)
+        with closing(open_bag(path)) as reader:
+            chosen = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+            count = sum(c.msgcount for c in chosen)
             if not count:
                 kinds = ', '.join(sorted({c.msgtype for c in reader.connections})) or 'nothing'
                 raise RecordingError(f'{path}: no {JOINT_STATE} in it, but {kinds}')
-            topics = tuple(sorted({c.topic for c in found}))
+            topics = tuple(sorted({c.topic for c in chosen}))
             return Recording(path, topics, reader.start_time, reader.end_time, count)
 
-    def messages(self, start_offset: float = 0.0) -> Iterator[Recorded]:
-        """Return the JointStates in recorded order, from start_offset (s) on, one at a time."""
+    def messages(self, start_offset: float = 0.0) -> Iterator[RecordedMessage]:
+        """Yield the JointStates in recorded order.
+
+        Parameters
+        ----------
+        start_offset
+            Where to begin, s after the recording's start.
+
+        Raises
+        ------
+        RecordingError
+            Where the bag is damaged.
+        """
         begin = self.start + round(1e9 * start_offset)
-        with closing(opened(self.path)) as reader:
-            wanted = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+        with closing(open_bag(self.path)) as reader:
+            chosen = [c for c in reader.connections if c.msgtype == JOINT_STATE]
             try:
-                for connection, time, data in reader.messages(wanted, start=begin):
-                    yield Recorded(connection.topic, time, bytes(data))
+                for connection, time, data in reader.messages(chosen, start=begin):
+                    yield RecordedMessage(connection.topic, time, bytes(data))
             except Exception as error:  # a broken file breaks in many ways
                 raise RecordingError(f'{self.path}: damaged: {error}') from None
 
 
-def deserialized(reader: Any, data: bytes, kind: str) -> Any:
-    """Return a message of its bytes.
+def deserialize_message(reader: Any, data: bytes, kind: str) -> Any:
+    """Return a message from its bytes.
 
-    Messages that rclpy serialised end in up to 12 bytes of nothing, which rosbags does not take.
+    Messages that rclpy serialised may end in up to 12 surplus bytes, which rosbags refuses; then
+    they are cut off.
     """
     try:
         return reader.deserialize(data, kind)
@@ -76,8 +100,8 @@ def deserialized(reader: Any, data: bytes, kind: str) -> Any:
         raise error
 
 
-def opened(path: Path) -> Any:
-    """Return an open reader of a rosbag2; every fault of the file is a RecordingError."""
+def open_bag(path: Path) -> Any:
+    """Return an open reader of rosbags; RecordingError if the bag cannot be read."""
     try:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore

@@ -1,38 +1,40 @@
-"""A motion: a recording as chunks of joint angles, each with what it stood among."""
+"""A motion: a recording as chunks of joint angles, each with the messages around it."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from ..types import Floats, Stamps, Triple
+from ..errors import RecordingError
+from ..types import Bools, Floats, Stamps, Triple
 
-LONGEST = 2.0**31  # s: a stamp holds no more
+LATEST = 2.0**31  # s: a stamp holds no more
 ROWS = 5000  # frames that are worked on at a time
 
 
 @dataclass
-class Refused:
-    """What could not be used of a recording: how many by reason, and where first."""
+class Refusals:
+    """What could not be used of a recording."""
 
     counts: Counter[str] = field(default_factory=Counter)
+    """How many, by reason."""
     first: dict[str, str] = field(default_factory=dict)
+    """Where each reason was first met."""
 
     def add(self, reason: str, where: str, count: int = 1) -> None:
-        """Count what was met at a place."""
+        """Count something that cannot be used, and where it stands."""
         self.counts[reason] += count
         self.first.setdefault(reason, where)
 
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Some frames of a motion, in their order, and what they stood among."""
+    """Some frames of a motion, k of them in their order, and the messages around them."""
 
     stamps: Stamps
     """(k,) ns."""
@@ -47,18 +49,17 @@ class Chunk:
     records: Sequence[Any] = ()
     """A bag's own messages, (connection, time, bytes), all of them."""
     follows: Sequence[int] = ()
-    """(k,) the record that each frame stands behind, -1: before them all."""
+    """(k,) the index in records of the message before each frame; -1: before all."""
 
-    def of(self, good: npt.NDArray[np.bool_]) -> Chunk:
-        """Return the chunk with some of its frames alone; the records stay."""
-        return Chunk(
-            self.stamps[good],
-            self.angles[good],
-            self.speeds[good],
-            self.times[good],
-            self.share,
-            self.records,
-            [record for record, keep in zip(self.follows, good, strict=True) if keep],
+    def select(self, which: Bools | slice) -> Chunk:
+        """Return the chunk with some of its frames only; the messages stay all."""
+        return replace(
+            self,
+            stamps=self.stamps[which],
+            angles=self.angles[which],
+            speeds=self.speeds[which],
+            times=self.times[which],
+            follows=np.array(self.follows, dtype=np.int64)[which].tolist(),
         )
 
 
@@ -79,7 +80,7 @@ class Motion(Protocol):
     """A recording of joint angles."""
 
     path: Path
-    refused: Refused
+    refused: Refusals
 
     keeps_records: bool
     """Whether a bag's own messages are wanted with the frames."""
@@ -92,8 +93,9 @@ class Motion(Protocol):
         """Yield the frames."""
 
 
-def in_nanoseconds(times: Floats) -> Stamps:
-    """Return times (m,), s, as ns; ValueError for times that cannot be seconds."""
-    if len(times) and np.abs(times).max() > LONGEST:
-        raise ValueError(f'time {times[np.abs(times).argmax()]:g}: more than {LONGEST:g} s; ms?')
+def seconds_to_nanoseconds(times: Floats) -> Stamps:
+    """Return times (m,), s, in ns; RecordingError for times that cannot be seconds."""
+    if len(times) and np.abs(times).max() > LATEST:
+        worst = times[np.abs(times).argmax()]
+        raise RecordingError(f'time {worst:g}: more than {LATEST:g} s; ms?')
     return np.asarray(np.rint(times * 1e9), dtype=np.int64)

@@ -6,26 +6,41 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from ..errors import RecordingError
 from ..joints.joint_state import FULL_CIRCLE, JointMap
-from ..types import Floats
-from .motion import ROWS, Chunk, Refused, in_nanoseconds
-from .tables import Table, choose, differentiated
+from ..types import Bools, Floats
+from .filters import differentiate
+from .motion import ROWS, Chunk, Refusals, seconds_to_nanoseconds
+from .tables import Table, find_joint_columns
 
 
 class TableMotion:
-    """Three columns of a table; their velocities are differences in time."""
+    """The motion in three columns of a table; velocities are differences in time.
+
+    Parameters
+    ----------
+    path
+        An OpenSim .mot or .sto, or a CSV file.
+    joints
+        Which columns are the convention's coordinates.
+    degrees
+        Whether the columns are in degrees; None: as their names or the file say, else rad.
+
+    Raises
+    ------
+    RecordingError
+        If the header cannot be read, or lacks a column.
+    """
 
     def __init__(self, path: Path, joints: JointMap, degrees: bool | None) -> None:
-        """Read the header; RecordingError if it is no good, or lacks a column."""
+        """Read the header; the rows are read by `chunks`."""
         self.path: Path = path
-        self.refused: Refused = Refused()
+        self.refused: Refusals = Refusals()
         self.joints = joints
-        self.table = Table.open(path)
+        self.table = Table.from_file(path)
         self.keeps_records = False
-        self.columns, unit = choose_with_unit(self.table, joints.names)
+        self.columns, unit = find_columns_and_unit(self.table, joints.names)
         in_degrees, says = next(
             (said, who)
             for said, who in (
@@ -48,16 +63,16 @@ class TableMotion:
         """Yield the rows that can be used."""
         times, angles = np.empty(0), np.empty((0, 3))
         share = 0.0
-        first = row = 0  # the first of the held rows that is still to be given
+        first = row = 0  # the first of the held rows that has not been yielded
         for new_times, values, share in self.table.chunks(self.columns, ROWS):
             values = values * self.scale
-            good = self._usable(new_times, values, row)
+            good = self._find_usable(new_times, values, row)
             row += len(new_times)
             times = np.concatenate((times, new_times[good]))
             angles = np.concatenate(
                 (angles, (values * self.joints.signs + self.joints.offsets)[good])
             )
-            # a difference takes both neighbours: the last row waits for the next chunk
+            # a difference needs both neighbours: the last row waits for the next chunk
             if len(times) > 1 + first:
                 yield self._chunk(times, angles, slice(first, -1), share)
                 times, angles, first = times[-2:], angles[-2:], 1
@@ -66,16 +81,16 @@ class TableMotion:
 
     def _chunk(self, times: Floats, angles: Floats, part: slice, share: float) -> Chunk:
         with np.errstate(divide='ignore', invalid='ignore'):  # times that stand still
-            speeds = differentiated(times, np.unwrap(angles, axis=0))
+            speeds = differentiate(times, np.unwrap(angles, axis=0))
         speeds[~np.isfinite(speeds).all(axis=1)] = np.nan
         try:
-            stamps = in_nanoseconds(times[part])
-        except ValueError as error:
+            stamps = seconds_to_nanoseconds(times[part])
+        except RecordingError as error:
             raise RecordingError(f'{self.path}: {error}') from None
         before = [-1] * len(stamps)
         return Chunk(stamps, angles[part], speeds[part], stamps, share, (), before)
 
-    def _usable(self, times: Floats, angles: Floats, row: int) -> npt.NDArray[np.bool_]:
+    def _find_usable(self, times: Floats, angles: Floats, row: int) -> Bools:
         """Return which rows are angles; the others are refused, as the node does."""
         finite = np.isfinite(angles).all(axis=1)
         small = ~(np.abs(angles) > FULL_CIRCLE).any(axis=1)
@@ -90,16 +105,18 @@ class TableMotion:
         return np.asarray(finite & small)
 
 
-def choose_with_unit(table: Table, names: Sequence[str]) -> tuple[tuple[str, ...], bool | None]:
+def find_columns_and_unit(
+    table: Table, names: Sequence[str]
+) -> tuple[tuple[str, ...], bool | None]:
     """Return the columns of three joints; and whether they are in degrees, if their names say so.
 
-    A column may carry its unit behind the joint's name: `_rad` or `_deg`.
+    A column may have its unit after the joint's name: `_rad` or `_deg`.
     """
     for ending, in_degrees in (('_rad', False), ('_deg', True)):
         wanted = [name + ending for name in names]
         if set(wanted) <= set(table.columns):
             return tuple(wanted), in_degrees
     try:
-        return choose(table.columns, names), None
+        return find_joint_columns(table.columns, names), None
     except RecordingError as error:
         raise RecordingError(f'{table.path}: {error}') from None

@@ -7,4 +7,4 @@ from linkedplane_ros.recordings.bags import Recording
 
 
 def test_the_recording_of_the_demonstration_is_found_from_the_sources() -> None:
-    assert Recording.open(sample_folder() / 'arm_raise').topics == ('/joint_states',)
+    assert Recording.from_bag(sample_folder() / 'arm_raise').topics == ('/joint_states',)

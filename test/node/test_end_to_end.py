@@ -38,7 +38,8 @@ def recorded(path: Path) -> list[JointState]:
     from rclpy.serialization import deserialize_message
 
     return [
-        deserialize_message(message.data, JointState) for message in Recording.open(path).messages()
+        deserialize_message(message.data, JointState)
+        for message in Recording.from_bag(path).messages()
     ]
 
 

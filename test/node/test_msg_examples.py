@@ -46,7 +46,7 @@ def made(script: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope='module')
 def raised() -> list[JointState]:
     """The messages of the sample recording."""
-    recording = Recording.open(EXAMPLES / 'arm_raise')
+    recording = Recording.from_bag(EXAMPLES / 'arm_raise')
     return [deserialize_message(message.data, JointState) for message in recording.messages()]
 
 
@@ -122,7 +122,7 @@ def test_the_samples_show_velocities_another_convention_and_joints_among_others(
 def test_the_recording_is_six_seconds_of_joint_states_stamped_as_recorded(
     raised: list[JointState],
 ) -> None:
-    recording = Recording.open(EXAMPLES / 'arm_raise')
+    recording = Recording.from_bag(EXAMPLES / 'arm_raise')
     assert recording.topics == ('/joint_states',)
     assert recording.count == len(raised) == 601
     messages = list(recording.messages())

@@ -97,7 +97,7 @@ def test_a_bags_file_alone_is_read_as_the_bag(tmp_path: Path, plugin: str) -> No
     messages = joint_states()
     folder = write_bag(tmp_path / 'bag', messages, plugin)
     [path] = (path for path in folder.iterdir() if path.suffix in ('.db3', '.mcap'))
-    for recording in (Recording.open(folder), Recording.open(path)):
+    for recording in (Recording.from_bag(folder), Recording.from_bag(path)):
         assert recording.count == COUNT
         assert [(m.topic, m.time, m.data) for m in recording.messages()] == messages
 
@@ -108,14 +108,14 @@ def test_a_start_offset_skips_what_was_recorded_before_it(
     tmp_path: Path, plugin: str, offset: float, skipped: int
 ) -> None:
     messages = joint_states()
-    recording = Recording.open(write_bag(tmp_path / 'bag', messages, plugin))
+    recording = Recording.from_bag(write_bag(tmp_path / 'bag', messages, plugin))
     assert [m.data for m in recording.messages(offset)] == bytes_on(messages)[skipped:]
 
 
 def test_a_start_offset_counts_from_the_first_message_of_any_kind(tmp_path: Path) -> None:
     early = ('/notes', START - 10 * STEP, notes(1)[0][2])
     messages = joint_states()
-    recording = Recording.open(write_bag(tmp_path / 'bag', [early, *messages]))
+    recording = Recording.from_bag(write_bag(tmp_path / 'bag', [early, *messages]))
     assert recording.start == START - 10 * STEP
     assert [m.data for m in recording.messages(10.5e-9 * STEP)] == bytes_on(messages)[1:]
 

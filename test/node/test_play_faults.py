@@ -124,7 +124,7 @@ def test_what_is_no_recording_of_joint_states_is_refused_in_one_line(
 ) -> None:
     path = make(tmp_path / name)
     with pytest.raises(RecordingError, match=reason):
-        Recording.open(path)
+        Recording.from_bag(path)
     assert main(['play', str(path)]) == 1
     out, err = capsys.readouterr()
     assert out == ''

@@ -55,7 +55,8 @@ def test_large_messages_do_not_fill_the_memory(tmp_path: Path) -> None:
     sent: list[Sent] = []
     for k in range(300):
         sent += [joint_state(k), ('/camera', kind, T0 + k * 10**7 + 8, data)]
-    motion = BagMotion.of_joints(write(tmp_path / 'in', sent), JointMap(NAMES, ONE, NONE), None)
+    joints = JointMap(NAMES, ONE, NONE)
+    motion = BagMotion.from_joint_states(write(tmp_path / 'in', sent), joints, None)
     held = [sum(len(each[2]) for each in chunk.records) for chunk in motion.chunks()]
     assert len(held) > 5
     assert max(held) < 2**24 + len(data)

@@ -35,7 +35,7 @@ def read_all(table: Table, names: tuple[str, ...], rows: int = 10_000) -> tuple[
 def read_fault(path: Path, names: tuple[str, ...] = ('a', 'b')) -> str:
     """Return the line with which reading a file has to fail, without the folder."""
     with pytest.raises(RecordingError) as caught:
-        read_all(Table.open(path), names)
+        read_all(Table.from_file(path), names)
     text = str(caught.value)
     assert text.startswith(f'{path}:')
     assert '\n' not in text

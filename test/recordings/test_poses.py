@@ -17,7 +17,7 @@ from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run
-from linkedplane_ros.recordings.frames import glenohumeral
+from linkedplane_ros.recordings.poses import glenohumeral_rotation
 
 
 def pose(k: int, topic: str, R: np.ndarray, kind: str = 'PoseStamped') -> Sent:
@@ -246,5 +246,5 @@ def test_against_the_thorax_the_scapula_takes_its_share_and_the_output_says_so(
 
 def test_the_rhythm_leaves_plane_and_axial_rotation_alone() -> None:
     convention = JOINT_CONVENTIONS['isb_yxy']
-    found = convention.angles(glenohumeral(convention.rotation((0.4, 1.5, -0.3)), 2.0))
+    found = convention.angles(glenohumeral_rotation(convention.rotation((0.4, 1.5, -0.3)), 2.0))
     np.testing.assert_allclose(found, (0.4, 1.0, -0.3), atol=EXACT)

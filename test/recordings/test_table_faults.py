@@ -11,7 +11,7 @@ import pytest
 from motion_tables import CSV, MOT, read_all, read_fault, write_table
 
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.recordings.tables import LONGEST, Table
+from linkedplane_ros.recordings.tables import LONGEST_LINE, Table
 
 NOBODY = 65534  # a user without rights
 
@@ -119,8 +119,8 @@ FAULTS = {
     'a spreadsheet': ('m.csv', b'PK\x03\x04\x14\x00\x06\xb5', 'm.csv:1: not UTF-8'),
     'a line without end': (
         'm.csv',
-        b'time,a,b\n' + b'0' * 3 * LONGEST,
-        f'm.csv:2: a line of {LONGEST} bytes or more; not a table?',
+        b'time,a,b\n' + b'0' * 3 * LONGEST_LINE,
+        f'm.csv:2: a line of {LONGEST_LINE} bytes or more; not a table?',
     ),
 }
 
@@ -138,14 +138,14 @@ def test_a_fault_is_named_in_one_line_with_its_place(tmp_path: Path, case: str) 
 def test_a_fault_is_found_in_whatever_chunk_it_is(tmp_path: Path, row: int) -> None:
     lines = ['time,a', *(f'{i},{i}' for i in range(2500))]
     lines[row] = '7,seven'
-    table = Table.open(write_table(tmp_path, 'motion.csv', '\n'.join(lines)))
+    table = Table.from_file(write_table(tmp_path, 'motion.csv', '\n'.join(lines)))
     for rows in (1, 1000, 10_000):
         with pytest.raises(RecordingError, match=rf"motion\.csv:{row + 1}: column 'a': 'seven' is"):
             read_all(table, ('a',), rows)
 
 
 def test_the_rows_before_a_faulty_chunk_are_given(tmp_path: Path) -> None:
-    chunks = Table.open(write_table(tmp_path, 'motion.csv', CSV + '0.2,x,5\n')).chunks(
+    chunks = Table.from_file(write_table(tmp_path, 'motion.csv', CSV + '0.2,x,5\n')).chunks(
         ('a',), rows=2
     )
     assert next(chunks)[1].tolist() == [[1.0], [3.0]]
@@ -156,7 +156,7 @@ def test_the_rows_before_a_faulty_chunk_are_given(tmp_path: Path) -> None:
 def test_a_header_is_read_without_the_rows(tmp_path: Path) -> None:
     for name, content in (('motion.csv', CSV), ('motion.mot', MOT)):
         path = write_table(tmp_path, name, content.encode() + b'\xff\n')
-        assert Table.open(path).columns == ('a', 'b')
+        assert Table.from_file(path).columns == ('a', 'b')
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
@@ -164,7 +164,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 
 def test_a_file_that_went_away_is_named(tmp_path: Path) -> None:
-    table = Table.open(write_table(tmp_path, 'm.csv', CSV))
+    table = Table.from_file(write_table(tmp_path, 'm.csv', CSV))
     table.path.unlink()
     with pytest.raises(RecordingError, match=r'm\.csv: cannot be read: No such file or directory'):
         next(table.chunks(('a',)))

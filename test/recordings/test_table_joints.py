@@ -6,7 +6,7 @@ import pytest
 from motion_tables import JOINTS
 
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.recordings.tables import choose
+from linkedplane_ros.recordings.tables import find_joint_columns
 
 OPENSIM = (
     '/jointset/shoulder/plane_elv/value',
@@ -20,15 +20,18 @@ OPENSIM = (
 
 def test_a_joint_is_the_column_of_its_name() -> None:
     columns = ('axial_rot', 'other/plane_elv', 'plane_elv', 'shoulder_elv')
-    assert choose(columns, JOINTS) == JOINTS
-    assert choose(columns, ('plane_elv',) * 2) == ('plane_elv',) * 2
-    assert choose(columns, ()) == ()
+    assert find_joint_columns(columns, JOINTS) == JOINTS
+    assert find_joint_columns(columns, ('plane_elv',) * 2) == ('plane_elv',) * 2
+    assert find_joint_columns(columns, ()) == ()
 
 
 def test_a_joint_is_the_end_of_an_opensim_path() -> None:
-    assert choose(OPENSIM, JOINTS) == (OPENSIM[0], OPENSIM[2], OPENSIM[4])
-    assert choose(OPENSIM, ('shoulder/plane_elv', 'activation')) == (OPENSIM[0], OPENSIM[5])
-    assert choose(('plane_elv/value',), ('plane_elv',)) == ('plane_elv/value',)
+    assert find_joint_columns(OPENSIM, JOINTS) == (OPENSIM[0], OPENSIM[2], OPENSIM[4])
+    assert find_joint_columns(OPENSIM, ('shoulder/plane_elv', 'activation')) == (
+        OPENSIM[0],
+        OPENSIM[5],
+    )
+    assert find_joint_columns(('plane_elv/value',), ('plane_elv',)) == ('plane_elv/value',)
 
 
 @pytest.mark.parametrize(
@@ -36,14 +39,14 @@ def test_a_joint_is_the_end_of_an_opensim_path() -> None:
 )
 def test_a_name_that_is_only_like_it_is_not_chosen_but_offered(column: str) -> None:
     with pytest.raises(RecordingError) as caught:
-        choose(('x', column), ('plane_elv',))
+        find_joint_columns(('x', column), ('plane_elv',))
     hint = '' if column.endswith('speed') else f' (near: {column})'
     assert str(caught.value) == f'no column for plane_elv{hint}; the file has x, {column}'
 
 
 def test_what_is_near_comes_first_even_of_a_path() -> None:
     with pytest.raises(RecordingError) as caught:
-        choose(OPENSIM, ('plane_elev', 'shoulder_elv', 'axial_rotation'))
+        find_joint_columns(OPENSIM, ('plane_elev', 'shoulder_elv', 'axial_rotation'))
     assert str(caught.value).startswith(
         f'no column for plane_elev, axial_rotation (near: {OPENSIM[0]}, {OPENSIM[4]}'
     )
@@ -51,14 +54,14 @@ def test_what_is_near_comes_first_even_of_a_path() -> None:
 
 def test_of_many_columns_twelve_are_listed() -> None:
     with pytest.raises(RecordingError) as caught:
-        choose([f'c\n{i}' for i in range(20)], ('plane_elv',))
+        find_joint_columns([f'c\n{i}' for i in range(20)], ('plane_elv',))
     listed = ', '.join(f'c {i}' for i in range(12))
     assert str(caught.value) == f'no column for plane_elv; the file has {listed} and 8 more'
 
 
 def test_of_no_columns_nothing_is_listed() -> None:
     with pytest.raises(RecordingError, match='no column for a; the file has nothing'):
-        choose((), ('a',))
+        find_joint_columns((), ('a',))
 
 
 @pytest.mark.parametrize(
@@ -66,5 +69,5 @@ def test_of_no_columns_nothing_is_listed() -> None:
 )
 def test_a_joint_that_may_be_two_columns_is_refused(columns: tuple[str, str]) -> None:
     with pytest.raises(RecordingError) as caught:
-        choose(columns, ('a',))
+        find_joint_columns(columns, ('a',))
     assert str(caught.value) == f'2 columns for a: {columns[0]}, {columns[1]}; one expected'

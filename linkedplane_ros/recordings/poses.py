@@ -27,47 +27,58 @@ FRAME_AXES = {
     'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
 MIRROR = np.diag((-1.0, 1.0, 1.0))  # x -> -x
-WAITING = 1000  # stamps on a topic: so far behind may the other be
+MOST_WAITING = 1000  # stamps on a topic that wait for the other: it may lag so far behind
 
 
 @dataclass(frozen=True)
-class Bones:
+class BoneFrames:
     """Which frames are the bones: names of topics of poses, or of frames in /tf."""
 
     humerus: str
     scapula: str | None = None
     thorax: str | None = None
-    """Instead of the scapula; its share of an elevation is then taken off by the rhythm."""
+    """Instead of the scapula, whose share of an elevation is then subtracted by the rhythm."""
     axes: str = 'model'
+    """Of all frames: a key of FRAME_AXES."""
     rhythm: float = 2.0
     """Glenohumeral to scapulothoracic elevation."""
 
     @property
     def base(self) -> str:
-        """What the humerus is measured against."""
+        """The frame that the humerus is measured against."""
         return self.scapula or self.thorax or ''
 
 
 @dataclass
-class PoseMemory:
-    """The poses of frames as they come, and the rotations of the humerus that follow from two.
+class PoseFrameReader:
+    """Reads frames of a motion out of poses: the humerus against another bone.
 
-    On topics, two poses of one stamp count together, in whatever order they come. In /tf the newest
-    of each frame counts, once all messages of a stamp have come.
+    On topics, two poses of one stamp count together, in any order. In /tf the newest of each frame
+    counts, once all messages of a stamp have come.
+
+    Parameters
+    ----------
+    bones
+        Which frames are the bones.
+    convention
+        What the angles shall mean.
+    side
+        'right' or 'left': which shoulder the frames are of.
     """
 
-    bones: Bones
+    bones: BoneFrames
     convention: JointConvention
     side: str = 'right'
     _poses: dict[str, Quaternion] = field(default_factory=dict)
     _parents: dict[str, str] = field(default_factory=dict)
     _waiting: dict[int, dict[str, Quaternion]] = field(default_factory=dict)
-    """Poses on topics, by stamp, that still lack the other."""
-    _alone: int = 0
-    """How many have lacked it for good."""
+    """Poses on topics, by stamp, that still wait for the other."""
+    _unpaired: int = 0
+    """How many have waited in vain."""
     _due: tuple[int, int] | None = None
-    """Stamp and time of the newest move of the humerus in /tf, not yet told."""
-    _told: int = 0
+    """Stamp and time of the newest move of the humerus in /tf, without its frame so far."""
+    _frames: int = 0
+    """How many frames there have been."""
     _topics: set[str] = field(default_factory=set)
 
     @property
@@ -82,68 +93,68 @@ class PoseMemory:
             else f'{bones.rhythm:g} to 1',
         }
 
-    def wants(self, topic: str, kind: str) -> bool:
+    def accepts(self, topic: str, kind: str) -> bool:
         """Return whether a topic may have poses of the two bones."""
         named = topic in (self.bones.humerus, self.bones.base)
         return (named and kind in POSE_TYPES) or kind == TF_TYPE
 
-    def take(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
+    def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
         """Yield the frames that a message completes; speeds are not known.
 
-        Raises Rejected where the pose is no good, or has no angles in the convention.
+        Rejected where the pose cannot be used, or has no angles in the convention.
         """
         if not hasattr(message, 'transforms'):
             pose = message.pose if hasattr(message, 'pose') else message.transform
             turn = pose.orientation if hasattr(pose, 'orientation') else pose.rotation
-            yield from self._on_topic(message.header, turn, topic, time)
+            yield from self._read_topic(message.header, turn, topic, time)
             return
         rejected = None
         for each in message.transforms:
-            stamp = nanoseconds(each.header.stamp)
+            stamp = stamp_in_nanoseconds(each.header.stamp)
             if self._due is not None and stamp > self._due[0]:
                 try:
-                    yield from self._tell()
+                    yield from self._due_frame()
                 except Rejected as error:
                     rejected = error
-            self._put(each, stamp, time)
+            self._store(each, stamp, time)
         if rejected is not None:
             raise rejected
 
-    def rest(self) -> Iterator[Frame]:
+    def last_frames(self) -> Iterator[Frame]:
         """Yield the frame of the last stamp in /tf."""
-        yield from self._tell()
+        yield from self._due_frame()
 
-    def unused(self) -> Iterator[tuple[str, int, str]]:
-        """Yield why, how many and where, of poses that gave no frame."""
-        left = self._alone + sum(map(len, self._waiting.values()))
+    def unused_messages(self) -> Iterator[tuple[str, int, str]]:
+        """Yield why, how many and where: poses without a frame."""
+        left = self._unpaired + sum(map(len, self._waiting.values()))
         if left:
             names = ' or '.join(self._names)
             yield 'alone', left, f'poses of {names} without the other at their stamp'
-        elif not self._told and not self._known():
-            yield 'lacking', 0, self._lacking()
+        elif not self._frames and not self._has_both():
+            yield 'lacking', 0, self._explain_missing()
 
     @property
     def _names(self) -> tuple[str, str]:
-        """Of the two bones: topics, or frames without the slash that some write before them."""
+        """Of the two bones: topics, or frames without the slash that some put in front."""
         humerus, base = self.bones.humerus, self.bones.base
         if humerus in self._topics:
             return humerus, base
         return humerus.lstrip('/'), base.lstrip('/')
 
-    def _on_topic(self, header: Any, turn: Any, topic: str, time: int) -> Iterator[Frame]:
-        stamp = nanoseconds(header.stamp)
+    def _read_topic(self, header: Any, turn: Any, topic: str, time: int) -> Iterator[Frame]:
+        stamp = stamp_in_nanoseconds(header.stamp)
         self._topics.add(topic)
         self._parents[topic] = header.frame_id.lstrip('/')
         here = self._waiting.setdefault(stamp, {})
         here[topic] = turn.x, turn.y, turn.z, turn.w
         if len(here) == 2:
             self._poses.update(self._waiting.pop(stamp))
-            if self._known():
+            if self._has_both():
                 yield self._frame(stamp, time)
-        elif len(self._waiting) > WAITING:
-            self._alone += len(self._waiting.pop(next(iter(self._waiting))))
+        elif len(self._waiting) > MOST_WAITING:
+            self._unpaired += len(self._waiting.pop(next(iter(self._waiting))))
 
-    def _put(self, transform: Any, stamp: int, time: int) -> None:
+    def _store(self, transform: Any, stamp: int, time: int) -> None:
         name, turn = transform.child_frame_id.lstrip('/'), transform.transform.rotation
         self._parents[name] = transform.header.frame_id.lstrip('/')
         self._poses[name] = turn.x, turn.y, turn.z, turn.w
@@ -151,16 +162,16 @@ class PoseMemory:
         if name in set(self._chain(humerus)) - set(self._chain(base)):
             self._due = stamp, time
 
-    def _tell(self) -> Iterator[Frame]:
+    def _due_frame(self) -> Iterator[Frame]:
         due, self._due = self._due, None
-        if due is not None and self._known():
+        if due is not None and self._has_both():
             yield self._frame(*due)
 
     def _frame(self, stamp: int, time: int) -> Frame:
-        self._told += 1
+        self._frames += 1
         return Frame(stamp, time, self._angles())
 
-    def _lacking(self) -> str:
+    def _explain_missing(self) -> str:
         humerus, base = self._names
         for bone in (humerus, base):
             if bone not in self._poses and bone not in self._parents.values():
@@ -172,7 +183,7 @@ class PoseMemory:
         )
 
     def _chain(self, frame: str) -> Iterator[str]:
-        """Yield a frame and those it hangs on, up to the root."""
+        """Yield a frame and its parents, up to the one below the root."""
         seen: set[str] = set()
         while frame in self._poses and frame not in seen:
             seen.add(frame)
@@ -183,26 +194,26 @@ class PoseMemory:
         chain = list(self._chain(frame))
         return self._parents.get(chain[-1], '') if chain else frame
 
-    def _known(self) -> bool:
+    def _has_both(self) -> bool:
         humerus, base = self._names
         if self._root(humerus) != self._root(base):
             return False
         return humerus in self._poses and (base in self._poses or base == self._root(humerus))
 
-    def _in_root(self, frame: str) -> Floats:
+    def _rotation_in_root(self, frame: str) -> Floats:
         R = np.eye(3)
         for each in self._chain(frame):
-            R = rotation(*self._poses[each]) @ R
+            R = rotation_from_quaternion(*self._poses[each]) @ R
         return R
 
     def _angles(self) -> Triple:
         axes = FRAME_AXES[self.bones.axes]
-        humerus, base = (self._in_root(name) for name in self._names)
+        humerus, base = (self._rotation_in_root(name) for name in self._names)
         R = axes @ base.T @ humerus @ axes.T
         if self.side == 'left':  # the right shoulder's rotation at the same anatomical angles
             R = MIRROR @ R @ MIRROR
         if self.bones.scapula is None:
-            R = glenohumeral(R, self.bones.rhythm)
+            R = glenohumeral_rotation(R, self.bones.rhythm)
         try:
             a, b, c = self.convention.angles(R).tolist()
         except ValueError as error:
@@ -210,24 +221,36 @@ class PoseMemory:
         return a, b, c
 
 
-def nanoseconds(stamp: Any) -> int:
-    """Return a message's stamp, ns."""
+def stamp_in_nanoseconds(stamp: Any) -> int:
+    """Return a message's stamp in ns."""
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
-def glenohumeral(thoracic: Floats, rhythm: float) -> Floats:
-    """Return the humerus against the scapula (3, 3) from that against the thorax.
+def glenohumeral_rotation(thoracic: Floats, rhythm: float) -> Floats:
+    """Return the rotation of the humerus against the scapula from that against the thorax.
 
     The scapula takes 1 / (1 + rhythm) of the elevation, in the plane of elevation (ISB's Y-X-Y):
     an assumption on the average shoulder (Inman 1944: 2 to 1), not a measurement.
+
+    Parameters
+    ----------
+    thoracic
+        (3, 3), the model's axes.
+    rhythm
+        Glenohumeral to scapulothoracic elevation.
+
+    Returns
+    -------
+    rotation
+        (3, 3), the model's axes.
     """
     convention = JOINT_CONVENTIONS['isb_yxy']
     plane, elevation, axial = convention.angles(thoracic)
     return convention.rotation((plane, elevation * rhythm / (1.0 + rhythm), axial))
 
 
-def rotation(x: float, y: float, z: float, w: float) -> Floats:
-    """Return the (3, 3) rotation of a quaternion; Rejected if it is none."""
+def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> Floats:
+    """Return the rotation (3, 3) of a quaternion; Rejected unless it has unit length."""
     size = x * x + y * y + z * z + w * w
     if not 0.99 < size < 1.01:
         raise Rejected('not_unit', f'quaternion ({x:g}, {y:g}, {z:g}, {w:g}): unit length expected')

@@ -13,18 +13,18 @@ from hypothesis import strategies as st
 from motion_tables import CSV, JOINTS, MOT, read_all, write_table
 from unhurried import unhurried
 
-from linkedplane_ros.recordings.tables import Table, choose
+from linkedplane_ros.recordings.tables import Table, find_joint_columns
 
 
 @pytest.mark.parametrize('motion', ['abduction', 'flexion'])
 def test_a_mot_in_degrees_is_the_csv_in_radians(shared: Path, motion: str) -> None:
-    mot = Table.open(shared / 'recordings' / f'{motion}.mot')
-    csv = Table.open(shared / 'recordings' / f'{motion}.csv')
+    mot = Table.from_file(shared / 'recordings' / f'{motion}.mot')
+    csv = Table.from_file(shared / 'recordings' / f'{motion}.csv')
     assert (mot.time_column, csv.time_column) == ('time', 'time_s')
     assert (mot.in_degrees, csv.in_degrees) == (True, None)
     assert len(mot.columns) == 17
     assert csv.columns == tuple(f'{joint}_rad' for joint in JOINTS)
-    times, degrees = read_all(mot, choose(mot.columns, JOINTS))
+    times, degrees = read_all(mot, find_joint_columns(mot.columns, JOINTS))
     seconds, radians = read_all(csv, csv.columns)
     np.testing.assert_array_equal(times, seconds)
     # rad: the CSV is rounded to 8 decimals
@@ -32,13 +32,13 @@ def test_a_mot_in_degrees_is_the_csv_in_radians(shared: Path, motion: str) -> No
 
 
 def test_a_recording_has_the_rows_that_its_header_tells_of(shared: Path) -> None:
-    times, values = read_all(Table.open(shared / 'recordings' / 'abduction.mot'), JOINTS)
+    times, values = read_all(Table.from_file(shared / 'recordings' / 'abduction.mot'), JOINTS)
     assert times.shape == (1091,)
     assert values.shape == (1091, 3)
 
 
 def test_a_long_recording_comes_in_order(shared: Path) -> None:
-    table = Table.open(shared / 'recordings' / 'daily_motion.csv')
+    table = Table.from_file(shared / 'recordings' / 'daily_motion.csv')
     times, values = read_all(table, table.columns, rows=1000)
     assert values.shape == (9800, 3)
     np.testing.assert_allclose(np.diff(times), 0.01, rtol=0.0, atol=1e-9)  # s: 100 Hz
@@ -61,7 +61,7 @@ def test_an_opensim_header_says_what_it_says_in_any_order(
 ) -> None:
     for name in ('motion.mot', 'MOTION.STO'):
         path = write_table(tmp_path, name, f'{header}EndHeader \n\nTime\ta b\n 0 \t1  2\t\n0.1 3 4')
-        table = Table.open(path)
+        table = Table.from_file(path)
         assert table == Table(path, ('a', 'b'), 'Time', in_degrees)
         times, values = read_all(table, ('b', 'a'))
         assert times.tolist() == [0.0, 0.1]
@@ -87,7 +87,7 @@ def test_an_opensim_header_says_what_it_says_in_any_order(
     ],
 )
 def test_a_csv_may_be_written_in_any_usual_way(tmp_path: Path, content: str) -> None:
-    table = Table.open(write_table(tmp_path, 'motion.csv', content))
+    table = Table.from_file(write_table(tmp_path, 'motion.csv', content))
     assert table.columns[:2] == ('a', 'b')
     times, values = read_all(table, ('a', 'b'))
     assert times.tolist() == [0.0, 0.1]
@@ -96,12 +96,12 @@ def test_a_csv_may_be_written_in_any_usual_way(tmp_path: Path, content: str) -> 
 
 @pytest.mark.parametrize('time', ['time', 'T', 'time_s', 'Timestamp', 'Time (s)'])
 def test_the_time_of_a_csv_has_a_usual_name(tmp_path: Path, time: str) -> None:
-    table = Table.open(write_table(tmp_path, 'motion.csv', CSV.replace('time', time)))
+    table = Table.from_file(write_table(tmp_path, 'motion.csv', CSV.replace('time', time)))
     assert (table.time_column, table.columns) == (time, ('a', 'b'))
 
 
 def test_of_two_times_the_plainer_name_counts(tmp_path: Path) -> None:
-    table = Table.open(write_table(tmp_path, 'motion.csv', 'timestamp,time,a\n9,0,1\n'))
+    table = Table.from_file(write_table(tmp_path, 'motion.csv', 'timestamp,time,a\n9,0,1\n'))
     assert (table.time_column, table.columns) == ('time', ('timestamp', 'a'))
     times, values = read_all(table, ('timestamp',))
     assert (times.tolist(), values.tolist()) == ([0.0], [[9.0]])
@@ -109,21 +109,21 @@ def test_of_two_times_the_plainer_name_counts(tmp_path: Path) -> None:
 
 def test_a_gap_is_nan(tmp_path: Path) -> None:
     path = write_table(tmp_path, 'motion.csv', 'time,a,b\n0,,NaN\n0.1, ,4\n0.2,nan,\n')
-    _, values = read_all(Table.open(path), ('a', 'b'))
+    _, values = read_all(Table.from_file(path), ('a', 'b'))
     np.testing.assert_array_equal(values, [[math.nan, math.nan], [math.nan, 4.0], [math.nan] * 2])
     path = write_table(tmp_path, 'motion.sto', MOT.replace('3', 'nan'))
-    np.testing.assert_array_equal(read_all(Table.open(path), ('a',))[1], [[1.0], [math.nan]])
+    np.testing.assert_array_equal(read_all(Table.from_file(path), ('a',))[1], [[1.0], [math.nan]])
 
 
 def test_columns_that_nobody_asks_for_may_hold_anything(tmp_path: Path) -> None:
     path = write_table(tmp_path, 'motion.csv', 'time,note,a,note,\n0,gähn,1,,x\n0.1,"1_0",2,5,\n')
-    table = Table.open(path)
+    table = Table.from_file(path)
     assert table.columns == ('note', 'a', 'note', '')
     assert read_all(table, ('a',))[1].tolist() == [[1.0], [2.0]]
 
 
 def test_the_times_can_be_had_alone(tmp_path: Path) -> None:
-    times, values = read_all(Table.open(write_table(tmp_path, 'motion.csv', CSV)), ())
+    times, values = read_all(Table.from_file(write_table(tmp_path, 'motion.csv', CSV)), ())
     assert (times.tolist(), values.shape) == ([0.0, 0.1], (2, 0))
 
 
@@ -135,7 +135,7 @@ def test_where_chunks_end_does_not_matter(tmp_path: Path, name: str, rows: int) 
     content = f'time,a,b\n{text}\n'
     if name.endswith('.mot'):
         content = 'endheader\n' + content.replace(',', '\t')
-    chunks = list(Table.open(write_table(tmp_path, name, content)).chunks(('b', 'a'), rows))
+    chunks = list(Table.from_file(write_table(tmp_path, name, content)).chunks(('b', 'a'), rows))
     assert [len(times) for times, _, _ in chunks[:-1]] == [rows] * (len(chunks) - 1)
     assert 0 < len(chunks[-1][0]) <= rows
     np.testing.assert_array_equal(np.concatenate([times for times, _, _ in chunks]), numbers[:, 0])
@@ -145,7 +145,7 @@ def test_where_chunks_end_does_not_matter(tmp_path: Path, name: str, rows: int) 
 
 
 def test_a_chunk_has_at_least_a_row(tmp_path: Path) -> None:
-    table = Table.open(write_table(tmp_path, 'motion.csv', CSV))
+    table = Table.from_file(write_table(tmp_path, 'motion.csv', CSV))
     with pytest.raises(ValueError, match='chunks of 0 rows; at least 1 expected'):
         next(table.chunks(('a',), 0))
 
@@ -153,7 +153,7 @@ def test_a_chunk_has_at_least_a_row(tmp_path: Path) -> None:
 def test_a_long_file_takes_no_more_memory_than_a_short_one(tmp_path: Path) -> None:
     def peak(count: int) -> int:
         text = 'time,a\n' + ''.join(f'{i},{i}.5\n' for i in range(count))
-        table = Table.open(write_table(tmp_path, 'motion.csv', text))
+        table = Table.from_file(write_table(tmp_path, 'motion.csv', text))
         del text
         tracemalloc.start()
         for _ in table.chunks(('a',), rows=500):
@@ -190,13 +190,13 @@ def test_what_is_written_is_read_to_the_bit(
     lines = [delimiter.join(row) for row in [('time', 'a', 'b'), *(map(repr, n) for n in numbers)]]
     path = tmp_path_factory.getbasetemp() / 'written.csv'
     path.write_bytes(''.join(line + end for line in lines).encode())
-    times, values = read_all(Table.open(path), ('a', 'b'), rows)
+    times, values = read_all(Table.from_file(path), ('a', 'b'), rows)
     np.testing.assert_array_equal(times, [row[0] for row in numbers])
     np.testing.assert_array_equal(values, [row[1:] for row in numbers])
     if delimiter == '\t':
         path = path.with_suffix('.sto')
         path.write_bytes(''.join(line + end for line in ['endheader', *lines]).encode())
         for one, other in zip(
-            read_all(Table.open(path), ('a', 'b'), rows), (times, values), strict=True
+            read_all(Table.from_file(path), ('a', 'b'), rows), (times, values), strict=True
         ):
             np.testing.assert_array_equal(one, other)
