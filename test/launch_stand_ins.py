@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-TOP = Path(__file__).parents[2]
+TOP = Path(__file__).parents[1]
 
 
 class Values(dict[str, str]):
