@@ -1,4 +1,4 @@
-"""The tables of the pages that the code has already: parameters, topics, commands, conventions.
+"""The tables of the pages that the code has: parameters, topics, commands, conventions, keys.
 
     python doc/tables.py  write them anew into the README and the pages, and say into which
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import build_parser
+from linkedplane_ros.muscle import keys
 from linkedplane_ros.node import parameters, topics
 from linkedplane_ros.types import Floats
 
@@ -89,6 +90,20 @@ def contents() -> str:
     return table(('topic', 'type', 'content'), ((name, kind, what) for name, kind, _, what in rows))
 
 
+def model_keys() -> str:
+    """Return what may stand in a model file."""
+    rows = []
+    for key in keys.KEYS:
+        kind = keys.TYPES.get(key.type, '')
+        if key.choices:
+            words = ', '.join(f'`{word}`' for word in key.choices)
+            kind = kind.replace('a word', f'one of {words}')
+        where = ', '.join(each for each in (key.unit and f'`{key.unit}`', key.frame) if each)
+        name = f'**`{key.path}`**' if key.required else f'`{key.path}`'
+        rows.append((name, kind, where, key.meaning))
+    return table(('key', 'type', 'unit, frame', 'meaning'), rows)
+
+
 def named(action: argparse.Action, formatter: argparse.HelpFormatter) -> str:
     """Return an argument as one writes it."""
     words = formatter._format_args(action, action.dest.upper()) if action.nargs != 0 else ''
@@ -131,6 +146,7 @@ def commands() -> str:
 TABLES: dict[str, Callable[[], str]] = {
     'commands': commands,
     'conventions': joint_conventions,
+    'model keys': model_keys,
     'parameters': parameters.markdown,
     'published': published,
     'single angles': single_angles,

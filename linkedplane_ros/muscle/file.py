@@ -19,44 +19,8 @@ from .definition import (
     Span,
     Sphere,
 )
+from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, known_keys
 from .mapping import YamlMapping, kind_of
-
-FORMAT = 'linkedplane_ros/broad_muscle'
-VERSION = 1
-
-# The keys of every section, those needed and those that may be there; * stands for a name.
-KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    '': (
-        (
-            'format', 'version', 'name', 'source', 'units', 'bands', 'origin', 'insertion',
-            'sphere', 'plane_angle', 'reference_normal',
-        ),
-        ('licence', 'heads', 'interference_spheres', 'landmarks', 'range_of_motion'),
-    ),
-    'units': (('length', 'angle'), ()),
-    'bands': (('names',), ('s',)),
-    'bands.s': (('first', 'last'), ()),
-    'heads.*': (('bands', 'represented_by'), ()),
-    'sphere': (('frame', 'centre', 'radius'), ('ground_point', 'humeral_point')),
-    'interference_spheres.*': (('centre', 'radius'), ()),
-    'landmarks.*': (('bone', 'at'), ()),
-    'range_of_motion': (COORDINATES, ()),
-    'curve': (('list',), ()),
-    'curves': (('x', 'y', 'z'), ()),
-}  # fmt: skip
-
-# Where a file has the fields of a BroadMuscle that it names otherwise.
-KEYS_OF_FIELDS = {
-    'band_names': 'bands.names',
-    'origins': 'origin',
-    'insertions': 'insertion',
-    'sphere_frame': 'sphere.frame',
-    'sphere_centres': 'sphere.centre',
-    'sphere_radii': 'sphere.radius',
-    'ground_point': 'sphere.ground_point',
-    'humeral_point': 'sphere.humeral_point',
-    'plane_angles': 'plane_angle',
-}
 
 
 @contextmanager
@@ -72,7 +36,7 @@ def name_keys(section: YamlMapping) -> Iterator[None]:
 
 def read_definition(file: YamlMapping) -> Definition:
     """Return the definition in a file's content; ModelError in one line for whatever is wrong."""
-    file.allow(*KEYS[''])
+    file.allow(*known_keys(''))
     if file.text('format') != FORMAT:
         raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')
     if file.content['version'] is not VERSION:
@@ -82,11 +46,11 @@ def read_definition(file: YamlMapping) -> Definition:
             'that this program reads',
         )
     units = file.section('units')
-    units.allow(*KEYS['units'])
+    units.allow(*known_keys('units'))
     bands = file.section('bands')
-    bands.allow(*KEYS['bands'])
+    bands.allow(*known_keys('bands'))
     sphere = file.section('sphere')
-    sphere.allow(*KEYS['sphere'])
+    sphere.allow(*known_keys('sphere'))
     frame = sphere.content['frame']
     with name_keys(file):
         return Definition(
@@ -119,7 +83,7 @@ def _read_s(bands: YamlMapping) -> Span | tuple[float, ...] | None:
     if isinstance(bands.content['s'], list):
         return bands.numbers('s')
     span = bands.section('s')
-    span.allow(*KEYS['bands.s'])
+    span.allow(*known_keys('bands.s'))
     return Span(span.number('first'), span.number('last'))
 
 
@@ -130,7 +94,7 @@ def _read_curve(section: YamlMapping, key: str) -> Curve:
         return Polynomial(section.numbers(key))
     if isinstance(value, dict):
         listed = section.section(key)
-        listed.allow(*KEYS['curve'])
+        listed.allow(*known_keys('QUANTITY'))
         return Listed(listed.numbers('list'))
     if isinstance(value, str) or value is None:
         raise section.fault(
@@ -144,11 +108,12 @@ def _read_curve(section: YamlMapping, key: str) -> Curve:
 def _read_points(section: YamlMapping, key: str) -> Curves:
     """Return what is a curve for each of x, y and z or, after `list`, a list of points."""
     points = section.section(key)
+    axes, whole = known_keys('POINTS')
     if 'list' in points:
-        points.allow(*KEYS['curve'])
+        points.allow(whole)
         x, y, z = zip(*points.rows('list'), strict=True)
         return Listed(x), Listed(y), Listed(z)
-    points.allow(*KEYS['curves'])
+    points.allow(axes)
     return _read_curve(points, 'x'), _read_curve(points, 'y'), _read_curve(points, 'z')
 
 
@@ -157,7 +122,7 @@ def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
         raise file.fault('heads', 'at least one head expected, none given')
     heads = []
     for name, entry in file.sections('heads'):
-        entry.allow(*KEYS['heads.*'])
+        entry.allow(*known_keys('heads.NAME'))
         with name_keys(entry):
             heads.append(Head(name, entry.names('bands'), entry.text('represented_by')))
     return tuple(heads)
@@ -167,7 +132,7 @@ def read_interference_spheres(file: YamlMapping) -> tuple[Sphere, ...]:
     """Return the interference spheres of a file, in its unit of length."""
     spheres = []
     for name, entry in file.sections('interference_spheres'):
-        entry.allow(*KEYS['interference_spheres.*'])
+        entry.allow(*known_keys('interference_spheres.NAME'))
         with name_keys(entry):
             spheres.append(Sphere(name, entry.point('centre'), entry.number('radius')))
     return tuple(spheres)
@@ -176,7 +141,7 @@ def read_interference_spheres(file: YamlMapping) -> tuple[Sphere, ...]:
 def _read_landmarks(file: YamlMapping) -> tuple[Landmark, ...]:
     landmarks = []
     for name, entry in file.sections('landmarks'):
-        entry.allow(*KEYS['landmarks.*'])
+        entry.allow(*known_keys('landmarks.NAME'))
         with name_keys(entry):
             landmarks.append(Landmark(name, entry.content['bone'], entry.point('at')))
     return tuple(landmarks)
@@ -186,6 +151,6 @@ def _read_range_of_motion(file: YamlMapping) -> tuple[Interval, Interval, Interv
     if 'range_of_motion' not in file:
         return None
     section = file.section('range_of_motion')
-    section.allow(*KEYS['range_of_motion'])
+    section.allow(*known_keys('range_of_motion'))
     (a, b), (c, d), (e, f) = (section.numbers(coordinate, 2) for coordinate in COORDINATES)
     return (a, b), (c, d), (e, f)

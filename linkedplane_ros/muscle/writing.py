@@ -9,7 +9,7 @@ import yaml
 
 from ..errors import ModelError
 from .definition import COORDINATES, Curve, Curves, Definition, Listed, Span
-from .file import FORMAT, KEYS, VERSION
+from .keys import FORMAT, VERSION, known_keys
 from .mapping import YamlMapping
 
 GEOMETRY = ('origin', 'insertion', 'sphere', 'plane_angle', 'reference_normal')
@@ -72,7 +72,8 @@ def content(definition: Definition) -> dict[str, Any]:
             for coordinate, limits in zip(COORDINATES, definition.range_of_motion, strict=True)
         },
     }
-    return {key: value for key, value in model.items() if value or key not in KEYS[''][1]}
+    needed, _ = known_keys('')
+    return {key: value for key, value in model.items() if value or key in needed}
 
 
 def _plain(value: str | tuple[Any, ...]) -> str | list[Any]:

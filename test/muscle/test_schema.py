@@ -1,8 +1,7 @@
-"""The JSON Schema of the model file: it, the reader and the document say the same."""
+"""The JSON Schema of the model file: made of the reader's keys, it refuses what the reader does."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +10,15 @@ import yaml
 from spoilt_models import REQUIRED, WRONG, Content, spoil
 from varied_muscles import MUSCLES
 
-import linkedplane_ros
+from linkedplane_ros import BroadMuscle
 from linkedplane_ros.muscle.broad_muscle import bundled_models
-from linkedplane_ros.muscle.file import KEYS
+from linkedplane_ros.muscle.keys import KEYS, TYPES, known_keys
+from linkedplane_ros.muscle.schema import FILE, json_schema, schema_text
 from linkedplane_ros.muscle.writing import content as stated
 
 jsonschema = pytest.importorskip('jsonschema')
 
-MODELS = Path(linkedplane_ros.__file__).parent / 'models'
-SCHEMA = json.loads((MODELS / 'broad_muscle.schema.json').read_text())
-VALIDATOR = jsonschema.Draft7Validator(SCHEMA)
+VALIDATOR = jsonschema.Draft7Validator(json_schema())
 DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'reference' / 'model_format.md').read_text()
 
 # What a schema cannot tell: counts, names and values that have to suit others; nan
@@ -37,7 +35,7 @@ def faults(model: Any) -> list[str]:
 
 
 def test_the_schema_is_one() -> None:
-    jsonschema.Draft7Validator.check_schema(SCHEMA)
+    jsonschema.Draft7Validator.check_schema(json_schema())
 
 
 @pytest.mark.parametrize('name', bundled_models())
@@ -46,7 +44,7 @@ def test_every_bundled_model_is_valid_and_names_the_schema(name: str) -> None:
     assert faults(yaml.safe_load(text)) == []
     first = text.splitlines()[0]
     assert first == '# yaml-language-server: $schema=broad_muscle.schema.json'
-    assert (MODELS / first.partition('$schema=')[2]).is_file()
+    assert (FILE.parent / first.partition('$schema=')[2]).is_file()
 
 
 @pytest.mark.parametrize('case', MUSCLES)
@@ -80,49 +78,24 @@ def test_points_of_a_moving_frame_are_refused_where_there_is_none(
     assert faults(spoil(content, 'sphere.frame', mixed))  # a moving one needs them
 
 
-def keys_in(schema: Any, path: str = '') -> dict[str, tuple[set[str], set[str]]]:
-    """Return the needed and the other keys of each mapping that a schema describes."""
-    found: dict[str, tuple[set[str], set[str]]] = {}
-    if 'properties' in schema:
-        needed = set(schema['required'])
-        found[path] = needed, set(schema['properties']) - needed
-        for key, inner in schema['properties'].items():
-            found |= keys_in(inner, f'{path}.{key}'.lstrip('.'))
-    if isinstance(schema.get('additionalProperties'), dict):
-        found |= keys_in(schema['additionalProperties'], f'{path}.*')
-    for inner in schema.get('oneOf', ()):
-        found |= keys_in(inner, path)
-    return found
+def test_the_committed_schema_is_that_of_the_keys() -> None:
+    assert FILE.read_text() == schema_text(), 'run: python -m linkedplane_ros.muscle.schema'
 
 
-def test_the_schema_and_the_reader_know_the_same_keys() -> None:
-    found = keys_in(SCHEMA)
-    curve, points = (SCHEMA['definitions'][name]['oneOf'] for name in ('curve', 'curves'))
-    found |= keys_in(curve[2], 'curve') | keys_in(points[0], 'curves')
-    assert keys_in(points[1], 'curve')['curve'] == found['curve']
-    assert found == {path: tuple(map(set, keys)) for path, keys in KEYS.items()}
+def test_every_key_has_a_type_and_a_meaning() -> None:
+    assert len({key.path for key in KEYS}) == len(KEYS)
+    for key in KEYS:
+        assert not key.type or key.type in TYPES, key.path
+        assert key.meaning.endswith('.'), key.path
+        parent = key.path.rpartition('.')[0].removesuffix('.NAME')
+        assert parent in {'', 'QUANTITY', 'POINTS', *(other.path for other in KEYS)}, key.path
 
 
-def described() -> list[str]:
-    """Return every key of the reader as the document has it."""
-    paths = [(path, key) for path, keys in KEYS.items() for key in sum(keys, ())]
-    own = [(path, key) for path, key in paths if path not in ('curve', 'curves')]
-    return [f'{path.replace("*", "NAME")}.{key}'.lstrip('.') for path, key in own]
-
-
-@pytest.mark.parametrize('key', described())
-def test_every_key_is_described_in_the_document_and_in_the_schema(key: str) -> None:
-    [row] = [line for line in DOCUMENT.splitlines() if line.lstrip('| *').startswith(f'`{key}`')]
-    path, _, last = key.rpartition('.')
-    needed = last in KEYS[path.replace('NAME', '*')][0]
-    assert row.startswith(f'| **`{key}`** |' if needed else f'| `{key}` |')
-    assert len(row.split('|')[2].strip()) > 2
-    here: Any = SCHEMA
-    for step in key.split('.'):
-        if 'oneOf' in here:
-            [here] = [one for one in here['oneOf'] if 'properties' in one]
-        here = here['additionalProperties'] if step == 'NAME' else here['properties'][step]
-    assert len(here['description']) > 5
+@pytest.mark.parametrize('name', bundled_models())
+def test_what_is_written_has_every_needed_key_and_no_unknown_one(name: str) -> None:
+    written = stated(BroadMuscle.load(name).definition)
+    needed, others = known_keys('')
+    assert set(needed) <= set(written) <= {*needed, *others}
 
 
 def test_the_quantities_of_the_document_are_valid(content: Content) -> None:

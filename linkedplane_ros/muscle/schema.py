@@ -1,0 +1,141 @@
+"""The JSON Schema of the model file, for editors: made of the keys' description.
+
+python -m linkedplane_ros.muscle.schema  write models/broad_muscle.schema.json anew
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from .keys import FORMAT, VERSION, Key, keys_below
+from .validity import JOINT_CENTRE
+
+FILE = Path(__file__).parents[1] / 'models' / 'broad_muscle.schema.json'
+
+NUMBER = {'type': 'number'}
+POINT = {'type': 'array', 'minItems': 3, 'maxItems': 3, 'items': NUMBER}
+TYPES: dict[str, dict[str, Any]] = {
+    'format': {'const': FORMAT},
+    'version': {'const': VERSION},
+    'name': {'type': 'string', 'pattern': r'^\s*[A-Za-z][A-Za-z0-9_]*\s*$'},
+    'names': {
+        'type': 'array',
+        'minItems': 1,
+        'uniqueItems': True,
+        'items': {'type': 'string', 'pattern': r'^[^,]*[^,\s][^,]*$'},
+    },
+    'text': {'type': 'string', 'pattern': r'\S'},
+    'number': NUMBER,
+    'numbers': {'type': 'array', 'minItems': 1, 'items': NUMBER},
+    'interval': {'type': 'array', 'minItems': 2, 'maxItems': 2, 'items': NUMBER},
+    'point': POINT,
+    'point_list': {'type': 'array', 'minItems': 1, 'items': POINT},
+    'quantity': {'$ref': '#/definitions/quantity'},
+    'points': {'$ref': '#/definitions/points'},
+}
+
+# What concerns more than one key, or the names that the user gives
+BEYOND_TYPES: dict[str, dict[str, Any]] = {
+    'heads': {'minProperties': 1},
+    'landmarks': {'propertyNames': {'not': {'const': JOINT_CENTRE}}},
+    'interference_spheres.NAME.radius': {'exclusiveMinimum': 0},
+    'sphere': {
+        'if': {
+            'properties': {
+                'frame': {
+                    'anyOf': [
+                        {'const': 'moving'},
+                        {'type': 'array', 'contains': {'const': 'moving'}},
+                    ]
+                }
+            }
+        },
+        'then': {'required': ['ground_point', 'humeral_point']},
+        'else': {'properties': {'ground_point': False, 'humeral_point': False}},
+    },
+}
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the schema, of JSON Schema's draft 7."""
+    listed = describe_mapping('QUANTITY')
+    points = describe_mapping('POINTS')
+    point_list = points['properties'].pop('list')
+    return {
+        '$schema': 'http://json-schema.org/draft-07/schema#',
+        'title': 'A broad muscle of linkedplane_ros',
+        'description': (
+            'Bands that lie in linked planes and wrap obstacle spheres; the right shoulder. '
+            'Ground = scapula frame: origin at the glenohumeral centre, x lateral, y anterior, '
+            'z superior; the humerus frame coincides with it when the arm hangs. '
+            'See doc/reference/model_format.md.'
+        ),
+        **describe_mapping(''),
+        'definitions': {
+            'quantity': {
+                'description': (
+                    "A number: common to all bands. A list of numbers: a polynomial's coefficients "
+                    'in s, highest power first. A list after the key `list`: one number for each '
+                    'band.'
+                ),
+                'oneOf': [NUMBER, TYPES['numbers'], listed],
+            },
+            'points': {
+                'description': (
+                    'x, y and z, each common to all bands, a polynomial in s or a list; or points, '
+                    'one for each band, after the key `list`.'
+                ),
+                'oneOf': [points, mapping({'list': point_list}, ['list'])],
+            },
+        },
+    }
+
+
+def describe_mapping(path: str) -> dict[str, Any]:
+    """Return the schema of the mapping under a path."""
+    keys = dict(keys_below(path))
+    if not keys:  # of the user's own names
+        return {'type': 'object', 'additionalProperties': describe_mapping(f'{path}.NAME')}
+    properties = {name: describe_key(key) for name, key in keys.items()}
+    return mapping(properties, [name for name, key in keys.items() if key.required])
+
+
+def mapping(properties: dict[str, Any], required: list[str]) -> dict[str, Any]:
+    """Return the schema of a mapping that has these keys and no other."""
+    return {
+        'type': 'object',
+        'additionalProperties': False,
+        'required': required,
+        'properties': properties,
+    }
+
+
+def describe_key(key: Key) -> dict[str, Any]:
+    """Return the schema of what stands under a key."""
+    frame = key.frame and f'{key.frame.strip("`")} frame'
+    where = ', '.join(each for each in (key.unit and f'in {key.unit}', frame) if each)
+    description = f'{key.meaning} ({where})' if where else key.meaning
+    if key.choices:
+        word: dict[str, Any] = {'enum': list(key.choices)}
+        words = {'type': 'array', 'minItems': 1, 'items': word}
+        content = {'oneOf': [word, words]} if key.type == 'words' else word
+    elif key.type == 'places':
+        content = {'oneOf': [describe_mapping(key.path), TYPES['numbers']]}
+    else:
+        content = TYPES[key.type] if key.type else describe_mapping(key.path)
+    return {
+        'description': description.replace('`', ''),
+        **content,
+        **BEYOND_TYPES.get(key.path, {}),
+    }
+
+
+def schema_text() -> str:
+    """Return the text of the schema's file."""
+    return json.dumps(json_schema(), indent=2) + '\n'
+
+
+if __name__ == '__main__':
+    FILE.write_text(schema_text(), encoding='utf-8')
