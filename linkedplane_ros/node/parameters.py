@@ -174,10 +174,3 @@ def parameter_rows() -> list[tuple[str, str, str]]:
             (f'`{spec.name}`', f'`{spec.default_text}`', f'{spec.meaning}{limits}{choices}')
         )
     return rows
-
-
-def markdown() -> str:
-    """Return the table of the parameters, as the documentation has it."""
-    lines = ['| name | default | meaning |', '| --- | --- | --- |']
-    lines += [f'| {" | ".join(row)} |' for row in parameter_rows()]
-    return '\n'.join(lines)

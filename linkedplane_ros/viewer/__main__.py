@@ -1,10 +1,10 @@
-"""`python -m linkedplane_ros.viewer`: the executable muscle_viewer."""
+"""The executable muscle_viewer, also `python -m linkedplane_ros.viewer`."""
 
 from ..node.environment import prepare_executable
 
 
 def main() -> None:
-    """Make ROS importable, then run the viewer."""
+    """Prepare ROS, then run the viewer."""
     prepare_executable()
     from .main import main
 

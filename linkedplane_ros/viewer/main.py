@@ -1,4 +1,4 @@
-"""The executable muscle_viewer: its arguments, its port, its end."""
+"""The executable muscle_viewer: its arguments, its port, its shutdown."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.utilities import remove_ros_args
 
 PORT = 8080
-TRIED = 20  # ports behind a busy one
+TRIED = 20  # ports above a busy one
 LOOPBACK = '127.0.0.1'
 NODE = [
     sys.executable,
@@ -30,8 +30,8 @@ NODE = [
 ]
 
 
-def arguments(given: list[str]) -> argparse.Namespace:
-    """Return the arguments; what stands behind --ros-args is for ROS."""
+def parse_arguments(given: list[str]) -> argparse.Namespace:
+    """Return the arguments; those after --ros-args are for ROS."""
     parser = argparse.ArgumentParser(
         prog='muscle_viewer',
         description='Show the muscles that are published, in a browser, and move their arms.',
@@ -45,8 +45,8 @@ def arguments(given: list[str]) -> argparse.Namespace:
     return parser.parse_args(remove_ros_args(given)[1:])
 
 
-def free_port(host: str, port: int | None) -> int:
-    """Return the port to listen on; SystemExit with one line where there is none."""
+def find_port(host: str, port: int | None) -> int:
+    """Return the port to listen on; SystemExit with one line if there is none."""
     first = PORT if port is None else port
     if not 0 <= first <= 65535:
         sys.exit(f'muscle_viewer: --port {port}: 0 to 65535 expected')
@@ -65,9 +65,9 @@ def free_port(host: str, port: int | None) -> int:
 
 
 def main(given: list[str] | None = None) -> None:
-    """Serve until interrupted or terminated; either ends it with status 0."""
+    """Serve until interrupted or terminated; both end it with status 0."""
     given = sys.argv if given is None else given
-    options = arguments(given)
+    options = parse_arguments(given)
     try:
         import viser
     except ImportError:
@@ -75,7 +75,7 @@ def main(given: list[str] | None = None) -> None:
     from .app import Viewer
     from .node import ViewerNode
 
-    port = free_port(options.host, options.port)
+    port = find_port(options.host, options.port)
     if options.node:
         os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     rclpy.init(args=given)
@@ -83,15 +83,17 @@ def main(given: list[str] | None = None) -> None:
     quiet = contextlib.redirect_stdout(io.StringIO())
     with quiet:
         server = viser.ViserServer(options.host, port, label='muscle viewer', verbose=False)
-    server.request_share_url = lambda verbose=True: None  # nothing leaves this machine
-    print(where(options.host, server.get_port()), flush=True)
+    server.request_share_url = lambda verbose=True: None  # no request leaves this machine
+    print(address_line(options.host, server.get_port()), flush=True)
     node = ViewerNode()
     reading = Thread(target=node.spin, args=(rclpy.ok,), daemon=True)
     reading.start()
     try:
         Viewer(server, node).run(lambda: rclpy.ok() and reading.is_alive())
         if rclpy.ok():
-            sys.exit('muscle_viewer: the reader of the topics has ended, for what stands above')
+            sys.exit(
+                'muscle_viewer: the thread that reads the topics has ended; see the error above'
+            )
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RCLError:
@@ -107,11 +109,11 @@ def main(given: list[str] | None = None) -> None:
             muscle.wait(10.0)
 
 
-def where(host: str, port: int) -> str:
-    """Return a line that says where the viewer is, and for whom."""
-    shown = LOOPBACK if host in ('', '0.0.0.0', '::') else host
+def address_line(host: str, port: int) -> str:
+    """Return a line that says where the viewer is, and who can reach it."""
+    name = LOOPBACK if host in ('', '0.0.0.0', '::') else host
     if host in (LOOPBACK, 'localhost', '::1'):
-        reach = 'for this machine alone; --host 0.0.0.0 lets others in'
+        reach = 'from this machine only; --host 0.0.0.0 lets others in'
     else:
-        reach = 'for all that reach this address: they see the arm and move it'
-    return f'muscle_viewer: open http://{shown}:{port} ({reach})'
+        reach = 'from everywhere: everyone who reaches this address can see the arm and move it'
+    return f'muscle_viewer: open http://{name}:{port} ({reach})'

@@ -1,4 +1,4 @@
-"""The newest state of each muscle, handed from the thread of ROS to the thread that draws."""
+"""The newest state of a muscle, passed from the thread of ROS to the thread that draws."""
 
 from __future__ import annotations
 
@@ -19,47 +19,55 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..types import Floats, Intervals
 
 DEFAULT = 'flexion_abduction_rotation'
-MARKERS_KEPT = 10  # messages: a clearing and what follows it are not to be torn apart
+MARKERS_KEPT = 10  # messages: one that clears and those after it stay together
 
 
 @dataclass(frozen=True)
-class Facts:
-    """What a muscle is, beside its states."""
+class MuscleInfo:
+    """What is known of a muscle besides its states."""
 
     coordinates: tuple[str, ...]
     bands: tuple[str, ...]
-    """None where they are not known yet."""
+    """Empty until they are known."""
     convention: JointConvention
     joints: JointMap
     joint_topic: str
     side: str = 'right'
     heads: tuple[tuple[str, int], ...] = ()
-    """Each head and the band that stands for it."""
+    """Each head and the band that represents it."""
     motion: Intervals | None = None
     """The model's range of flexion, abduction and rotation, rad."""
 
     @staticmethod
-    def told(
+    def from_parameters(
         coordinates: tuple[str, ...],
         bands: tuple[str, ...],
         joint_topic: str,
         parameters: Mapping[str, Any],
-    ) -> Facts:
-        """Return what the labels of the arrays and the parameters of their node tell.
+    ) -> MuscleInfo:
+        """Return what the labels of the arrays and the parameters of their node say.
 
-        The labels are empty before the first answer. Without parameters the joints are the
-        coordinates, and the convention is that which has them. Where the model is not to be had
-        here, each band is a head of its own.
+        Parameters
+        ----------
+        coordinates, bands
+            From the labels; empty before the first answer.
+        joint_topic
+            The topic of the node's joint states.
+        parameters
+            The node's, by name. Without them the joints are the coordinates, and the convention
+            is the one that has them. If the model cannot be loaded here, each band is a head.
+
         """
-        named = JOINT_CONVENTIONS
-        alike = [each for each in named.values() if each.coordinates == coordinates]
-        convention = named.get(parameters.get('joint_convention', ''), [*alike, named[DEFAULT]][0])
+        conventions = JOINT_CONVENTIONS
+        alike = [each for each in conventions.values() if each.coordinates == coordinates]
+        default = [*alike, conventions[DEFAULT]][0]
+        convention = conventions.get(parameters.get('joint_convention', ''), default)
         coordinates = coordinates or convention.coordinates
         names = [name for name in parameters.get('joint_names', ()) if name]
         joints = JointMap(
-            three(names or coordinates),
-            three(parameters.get('joint_signs', (1.0, 1.0, 1.0))),
-            three(parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
+            as_triple(names or coordinates),
+            as_triple(parameters.get('joint_signs', (1.0, 1.0, 1.0))),
+            as_triple(parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
         )
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
@@ -73,18 +81,18 @@ class Facts:
                     heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
                     motion = model.range_of_motion
         side = parameters.get('side', 'right')
-        return Facts(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
+        return MuscleInfo(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
 
 
-def three(items: Sequence[Any]) -> Any:
-    """Return three things as a tuple."""
+def as_triple(items: Sequence[Any]) -> Any:
+    """Return three items as a tuple."""
     first, second, third = items
     return first, second, third
 
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """The numbers of a state; None or empty where nothing has come yet."""
+    """The numbers of a state; None where nothing has arrived yet."""
 
     lengths: Floats | None = None
     """(n,) m."""
@@ -95,47 +103,47 @@ class Values:
     angles: Floats | None = None
     """(3,) rad: the newest."""
     pose: Floats | None = None
-    """(3,) rad: the angles that lengths and arms belong to; None where they were missed."""
+    """(3,) rad: the angles of lengths and arms; None if they were missed."""
     answered: int = 0
-    """How many states have come."""
+    """The number of states so far."""
     present: bool = False
     """Whether a node publishes the muscle now."""
     rivals: int = 0
-    """How many others publish joint states for it."""
+    """The number of other publishers of its joint states."""
 
 
-class Newest:
-    """What is newest of one muscle; any thread may put, any may take."""
+class NewestState:
+    """What is newest of one muscle; any thread may update it, any may take it."""
 
     def __init__(self, fresh: Event) -> None:
-        """`fresh` is set whenever something is put."""
+        """`fresh` is set at every update."""
         self._fresh = fresh
         self._lock = RLock()
         self._values = Values()
-        self._facts: Facts | None = None
+        self._info: MuscleInfo | None = None
         self._messages: deque[bytes] = deque(maxlen=MARKERS_KEPT)
 
-    def put(self, messages: Sequence[bytes] = (), **values: Any) -> None:
-        """Take serialised MarkerArrays in, and values by their names in Values."""
+    def update(self, messages: Sequence[bytes] = (), **values: Any) -> None:
+        """Add serialised MarkerArrays, and replace values by their names in Values."""
         with self._lock:
             self._values = replace(self._values, **values)
             self._messages.extend(messages)
         self._fresh.set()
 
-    def put_answer(self, messages: Sequence[bytes], pose: Floats | None, **values: Any) -> None:
-        """Take in a state: markers, values and the angles (3,), rad, that it belongs to."""
+    def add_answer(self, messages: Sequence[bytes], pose: Floats | None, **values: Any) -> None:
+        """Add a state: its markers, its values and the angles (3,), rad, that it belongs to."""
         with self._lock:
-            self.put(messages, pose=pose, answered=self._values.answered + 1, **values)
+            self.update(messages, pose=pose, answered=self._values.answered + 1, **values)
 
-    def put_facts(self, facts: Facts) -> None:
-        """Take in what the muscle is."""
+    def set_info(self, info: MuscleInfo) -> None:
+        """Replace what is known of the muscle."""
         with self._lock:
-            self._facts = facts
+            self._info = info
         self._fresh.set()
 
-    def take(self) -> tuple[Facts | None, Values, list[bytes]]:
-        """Return what is newest, and the markers that came since the last call."""
+    def take_newest(self) -> tuple[MuscleInfo | None, Values, list[bytes]]:
+        """Return what is newest, and the markers since the last call."""
         with self._lock:
             messages = list(self._messages)
             self._messages.clear()
-            return self._facts, self._values, messages
+            return self._info, self._values, messages

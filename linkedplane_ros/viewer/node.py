@@ -1,4 +1,4 @@
-"""The ROS side of the viewer: finds the muscles' topics, keeps their newest state, moves arms."""
+"""The ROS side of the viewer: finds muscles, keeps their newest state, publishes joint states."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ from ..joints.joint_state import JointMemory, Rejected
 from ..processing.topics import FLOAT_ARRAY, MARKERS, read_label
 from ..recordings.bags import JOINT_STATE
 from ..types import Floats
-from .newest import MARKERS_KEPT, Facts, Newest
+from .newest import MARKERS_KEPT, MuscleInfo, NewestState
 
-FRAME = 1.0 / 60.0  # s: no screen needs to be told more often
-GATHER, GATHERINGS = 0.001, 12  # s between looks for the rest of an answer, and how many of them
-ANSWER = 8  # messages: more are a stream that is quicker than its markers
-LOOK = 0.5  # s between looks at what is there
-POSES_KEPT = 64  # joint states, to find the pose that an answer belongs to
-ASKED = ('muscle', 'side', 'joint_convention', 'joint_names', 'joint_signs', 'joint_offsets')
+FRAME = 1.0 / 60.0  # s: no screen shows more
+POLL, POLLS = 0.001, 12  # s between polls for the rest of an answer, and their number
+ANSWER = 8  # messages: more come from a stream that is faster than its markers
+DISCOVERY = 0.5  # s between searches for muscles and nodes
+POSES_KEPT = 64  # joint states, to find the pose of an answer
+PARAMETERS = ('muscle', 'side', 'joint_convention', 'joint_names', 'joint_signs', 'joint_offsets')
 
 
-def latest(depth: int = 1) -> QoSProfile:
-    """Return the quality of service of a reader that wants what is newest, of any publisher."""
+def best_effort_profile(depth: int = 1) -> QoSProfile:
+    """Return the quality of service of a reader of the newest messages of any publisher."""
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
-def muscles_among(topics: list[tuple[str, list[str]]]) -> list[str]:
-    """Return the prefixes (`/deltoid`) of the muscles that topics and their types tell of."""
+def find_muscles(topics: list[tuple[str, list[str]]]) -> list[str]:
+    """Return the prefixes (`/deltoid`) of the muscles among topics, given with their types."""
     kinds = dict(topics)
     prefixes = [topic.removesuffix('/markers') for topic in kinds if topic.endswith('/markers')]
     return sorted(
@@ -56,11 +56,11 @@ def muscles_among(topics: list[tuple[str, list[str]]]) -> list[str]:
 
 
 class MuscleReader:
-    """Reads one muscle's topics into its newest state, and publishes joint states for it."""
+    """Reads the topics of one muscle into its newest state, and publishes joint states for it."""
 
     def __init__(self, node: Node, prefix: str, fresh: Event) -> None:
-        """Subscribe its topics (`/deltoid/...`)."""
-        self.newest = Newest(fresh)
+        """Subscribe to its topics (`/deltoid/...`); `fresh` is set at every update."""
+        self.newest = NewestState(fresh)
         self.publisher: Publisher | None = None
         self.taken = 0
         self._pending: dict[str, Any] = {}
@@ -81,7 +81,7 @@ class MuscleReader:
             (JointState, 'band_states', self._take_states),
             (UInt8MultiArray, 'wrap_states', self._take_wrap),
         ):
-            self._subscribe(kind, f'{prefix}/{topic}', callback, latest())
+            self._subscribe(kind, f'{prefix}/{topic}', callback, best_effort_profile())
         self._subscribe(
             MarkerArray,
             f'{prefix}/markers',
@@ -111,7 +111,7 @@ class MuscleReader:
         if (names[1], names[0]) != self._labels:
             self._labels = names[1], names[0]
             self._answer = None  # the node has changed: ask it again
-            self._tell()
+            self._update_info()
         self._pending['arms'] = np.array(message.data).reshape(-1, 3)
 
     def _take_states(self, message: JointState) -> None:
@@ -131,17 +131,17 @@ class MuscleReader:
             self._poses.popitem(last=False)
 
     @property
-    def waiting(self) -> bool:
-        """Whether something of an answer has come that is not handed over."""
-        return self._states is not None or 'arms' in self._pending or self.complete
+    def is_waiting(self) -> bool:
+        """Whether a part of an answer has arrived and is not handed over."""
+        return self._states is not None or 'arms' in self._pending or self.is_complete
 
     @property
-    def complete(self) -> bool:
-        """Whether the markers have come, the last of an answer."""
+    def is_complete(self) -> bool:
+        """Whether the markers, the last part of an answer, have arrived."""
         return bool(self._markers)
 
     def hand_over(self) -> None:
-        """Hand over what has come since the last time, all at once: it belongs together."""
+        """Hand over all that has arrived since the last time, as one state."""
         messages = self._markers.copy()
         self._markers.clear()
         if self._states is not None:
@@ -149,36 +149,36 @@ class MuscleReader:
             self._pending['lengths'] = np.array(self._states.position)
             pose = self._poses.get((stamp.sec, stamp.nanosec))
             self._states = None
-            self.newest.put_answer(messages, pose, **self._pending)
+            self.newest.add_answer(messages, pose, **self._pending)
             self._pending = {}
         elif messages:
-            self.newest.put(messages)
+            self.newest.update(messages)
 
-    def _tell(self) -> None:
-        """Let it be known what the muscle is, as far as that is known."""
+    def _update_info(self) -> None:
+        """Pass on what is known of the muscle."""
         if self._joints is None or not (self._labels or self._parameters):
             return
         labels = self._labels or ((), ())
-        facts = Facts.told(*labels, self._joints.topic_name, self._parameters)
-        if self._memory is None or self._memory.joints != facts.joints:
-            self._memory = JointMemory(facts.joints)
-        self.newest.put_facts(facts)
+        info = MuscleInfo.from_parameters(*labels, self._joints.topic_name, self._parameters)
+        if self._memory is None or self._memory.joints != info.joints:
+            self._memory = JointMemory(info.joints)
+        self.newest.set_info(info)
 
-    def look(self) -> None:
-        """See whether its node is there, what it is and where it takes its joint states from."""
+    def discover(self) -> None:
+        """Find its node, what it is, and the topic of its joint states."""
         publishers = self._node.get_publishers_info_by_topic(f'{self._prefix}/markers')
         others = self._joints.get_publisher_count() - 1 if self._joints else 0
-        self.newest.put(present=bool(publishers), rivals=max(others, 0))
+        self.newest.update(present=bool(publishers), rivals=max(others, 0))
         if not publishers:
-            self._answer = None  # what comes back may be another
+            self._answer = None  # the next node may be another
             return
-        with suppress(StopIteration, NodeNameNonExistentError):  # its name comes later than it
+        with suppress(StopIteration, NodeNameNonExistentError):  # its name may arrive later
             found = next(each for each in publishers if each.node_namespace.startswith('/'))
             name, namespace = found.node_name, found.node_namespace.rstrip('/')
-            self._meet(f'{namespace}/{name}', self._joint_topic(name, namespace))
+            self._connect(f'{namespace}/{name}', self._joint_topic(name, namespace))
         if self._answer is None and self._client is not None and self._client.service_is_ready():
-            self._answer = self._client.call_async(GetParameters.Request(names=list(ASKED)))
-            self._answer.add_done_callback(self._learn)
+            self._answer = self._client.call_async(GetParameters.Request(names=list(PARAMETERS)))
+            self._answer.add_done_callback(self._receive_parameters)
 
     def _joint_topic(self, name: str, namespace: str) -> str:
         """Return the topic that a node takes its joint states from."""
@@ -186,8 +186,8 @@ class MuscleReader:
         topics = sorted(topic for topic, kinds in taken if JOINT_STATE in kinds)
         return topics[0] if topics else f'{namespace}/joint_states'
 
-    def _meet(self, source: str, topic: str) -> None:
-        """Connect with a node: its parameters and the topic of its joint states."""
+    def _connect(self, source: str, topic: str) -> None:
+        """Connect to a node: its parameters and the topic of its joint states."""
         if source == self._source and self._joints.topic_name == topic:
             return
         for old, destroy in (
@@ -198,21 +198,23 @@ class MuscleReader:
             if old is not None:
                 destroy(old)
         self.publisher = self._node.create_publisher(JointState, topic, QoSProfile(depth=10))
-        self._joints = self._subscribe(JointState, topic, self._take_joints, latest(4))
+        self._joints = self._subscribe(JointState, topic, self._take_joints, best_effort_profile(4))
         self._client = self._node.create_client(GetParameters, f'{source}/get_parameters')
         self._source, self._answer = source, None
-        self._tell()
+        self._update_info()
 
-    def _learn(self, answer: Any) -> None:
-        """Take the node's parameters in."""
+    def _receive_parameters(self, answer: Any) -> None:
+        """Store the node's parameters."""
         values = [parameter_value_to_python(value) for value in answer.result().values]
         self._parameters = {
-            name: value for name, value in zip(ASKED, values, strict=False) if value is not None
+            name: value
+            for name, value in zip(PARAMETERS, values, strict=False)
+            if value is not None
         }
-        self._tell()
+        self._update_info()
 
-    def changed(self, event: ParameterEvent) -> None:
-        """Ask the node again if it is the one whose parameters have changed."""
+    def on_parameter_event(self, event: ParameterEvent) -> None:
+        """Ask the node again if its parameters have changed."""
         if event.node == self._source:
             self._answer = None
 
@@ -225,30 +227,33 @@ class ViewerNode(Node):
         super().__init__('muscle_viewer', **kwargs)
         self.fresh = Event()
         self.readers: dict[str, MuscleReader] = {}
-        self.create_timer(LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(DISCOVERY, self._discover, clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.create_subscription(
-            ParameterEvent, '/parameter_events', self._changed, qos_profile_parameter_events
+            ParameterEvent,
+            '/parameter_events',
+            self._on_parameter_event,
+            qos_profile_parameter_events,
         )
-        self._look()
+        self._discover()
 
-    def _look(self) -> None:
-        for prefix in muscles_among(self.get_topic_names_and_types()):
+    def _discover(self) -> None:
+        for prefix in find_muscles(self.get_topic_names_and_types()):
             if prefix not in self.readers:
                 reader = MuscleReader(self, prefix, self.fresh)
                 self.readers = {**self.readers, prefix: reader}
         for reader in self.readers.values():
-            reader.look()
+            reader.discover()
 
-    def _changed(self, event: ParameterEvent) -> None:
+    def _on_parameter_event(self, event: ParameterEvent) -> None:
         for reader in self.readers.values():
-            reader.changed(event)
+            reader.on_parameter_event(event)
 
-    def move(self, prefix: str, facts: Facts, angles: Floats, speeds: Floats) -> None:
-        """Publish a muscle's angles (3,), rad, and speeds (3,), rad/s, as joint states."""
+    def move_arm(self, prefix: str, info: MuscleInfo, angles: Floats, speeds: Floats) -> None:
+        """Publish angles (3,), rad, and speeds (3,), rad/s, of a muscle as a joint state."""
         publisher = self.readers[prefix].publisher
         if publisher is None:
             return
-        joints = facts.joints
+        joints = info.joints
         signs = np.array(joints.signs)
         message = JointState(
             name=list(joints.names),
@@ -256,39 +261,39 @@ class ViewerNode(Node):
             velocity=(signs * speeds).tolist(),
         )
         message.header.stamp = self.get_clock().now().to_msg()
-        with suppress(InvalidHandle):  # the reader is about to make another
+        with suppress(InvalidHandle):  # the reader is replacing it
             publisher.publish(message)
 
     def spin(self, going: Callable[[], bool]) -> None:
-        """Read messages as long as it is going: once a frame, the newest, whatever the rate.
+        """Read the newest messages once a frame, as long as `going()`.
 
-        The readers' queues are short, so what is not read in time is never read, and this thread
-        is as idle at 1 kHz as at 60 Hz.
+        The queues are short: what is not read in time is never read, so this thread has as little
+        to do at 1 kHz as at 60 Hz.
         """
         try:
             executor = SingleThreadedExecutor(context=self.context)
             executor.add_node(self)
             while going():
                 executor.spin_once(timeout_sec=0.1)
-                if any(reader.waiting for reader in self.readers.values()):
+                if any(reader.is_waiting for reader in self.readers.values()):
                     begun = time.monotonic()
-                    self._gather(executor)
+                    self._gather_answer(executor)
                     time.sleep(max(begun + FRAME - time.monotonic(), 0.0))
             executor.shutdown()
-        except (ExternalShutdownException, RCLError):  # the end, at an inconvenient moment
+        except (ExternalShutdownException, RCLError):  # shut down during a call
             if self.context.ok():
                 raise
 
-    def _gather(self, executor: SingleThreadedExecutor) -> None:
-        """Take all that there is of an answer; wait a little for the markers, its last."""
+    def _gather_answer(self, executor: SingleThreadedExecutor) -> None:
+        """Read all of an answer; wait a little for the markers, its last part."""
         readers = self.readers.values()
         enough = self._taken + ANSWER * len(readers)
-        for _ in range(GATHERINGS):
-            time.sleep(GATHER)
+        for _ in range(POLLS):
+            time.sleep(POLL)
             before = -1
             while before != (before := self._taken):
                 executor.spin_once(timeout_sec=0.0)
-            whole = all(reader.complete or not reader.waiting for reader in readers)
+            whole = all(reader.is_complete or not reader.is_waiting for reader in readers)
             if whole or self._taken > enough:
                 break
         for reader in readers:

@@ -35,7 +35,7 @@ def test_no_package_imports_a_later_one() -> None:
         ('muscle/file.py', 'import linkedplane_ros.node.qos', 'imports node, a later package'),
         (
             'study/chapters/parts.py',
-            'from ...viewer.scene.wire import markers',
+            'from ...viewer.scene.wire import read_markers',
             'imports viewer, a',
         ),
         ('drawing/plot.py', 'def late():\n    from ..commands import fit', 'imports commands, a'),

@@ -18,7 +18,14 @@ from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.colours import head_colours
 from linkedplane_ros.node.markers import MuscleMarkers
 from linkedplane_ros.viewer.scene import wire
-from linkedplane_ros.viewer.scene.geometry import Bodies, Lines, Markers, Sheets, apply, drawables
+from linkedplane_ros.viewer.scene.geometry import (
+    Bodies,
+    Lines,
+    Markers,
+    Sheets,
+    apply_message,
+    drawables,
+)
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
@@ -31,7 +38,7 @@ def kept(*arrays: MarkerArray) -> Markers:
     """Return the markers that are left of messages."""
     markers: Markers = {}
     for array in arrays:
-        apply(markers, wire.markers(serialize_message(array)))
+        apply_message(markers, wire.read_markers(serialize_message(array)))
     return markers
 
 
@@ -72,7 +79,7 @@ def any_markers(draw: st.DrawFn) -> Marker:
 @unhurried
 @given(st.lists(any_markers(), max_size=4))
 def test_a_marker_array_is_read_as_rclpy_reads_it(sent: list[Marker]) -> None:
-    found = wire.markers(serialize_message(MarkerArray(markers=sent)))
+    found = wire.read_markers(serialize_message(MarkerArray(markers=sent)))
     for one, other in zip(found, sent, strict=True):
         turn, scale, colour = other.pose.orientation, other.scale, other.color
         position = other.pose.position
@@ -89,7 +96,7 @@ def test_a_marker_array_is_read_as_rclpy_reads_it(sent: list[Marker]) -> None:
 @pytest.mark.parametrize('size', [0, 3, 20, 200])
 def test_a_torn_message_is_refused(size: int) -> None:
     with pytest.raises(ValueError, match='not a serialised MarkerArray'):
-        wire.markers(serialize_message(ARRAY)[:size])
+        wire.read_markers(serialize_message(ARRAY)[:size])
 
 
 # Markers to drawables
@@ -137,7 +144,7 @@ def test_spheres_and_cylinders_are_bodies_where_they_were_put() -> None:
     np.testing.assert_array_equal(spheres.sizes[:, 0], 2.0 * DELTOID.sphere_radii)
     assert spheres.opacity == pytest.approx(0.12)
     assert head.opacity == 1.0
-    w, x, y, z = shaft.turns[0]
+    w, x, y, z = shaft.orientations[0]
     down = Rotation.from_quat((x, y, z, w)).apply((0.0, 0.0, 1.0))
     np.testing.assert_allclose(down, STATE.rotation[:, 2], atol=1e-9)
 

@@ -12,7 +12,7 @@ from ros_harness import NodeProcess, Peer, together
 from viewer_stage import MISSING, Stage, all_lines_are_seen, state_at
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
-from linkedplane_ros.viewer.panels.motions import poses
+from linkedplane_ros.viewer.panels.motions import end_poses
 
 pytestmark = [pytest.mark.skipif(bool(MISSING), reason=MISSING), pytest.mark.browser]
 DELTOID = BroadMuscle.load('deltoid')
@@ -62,11 +62,11 @@ def test_the_plots_grow_by_the_lengths_and_arms_of_the_heads(stage: Stage) -> No
 
 def test_a_button_takes_the_arm_to_an_end_pose_of_the_case_study(stage: Stage) -> None:
     stage.page.press('scaption 60')
-    assert stage.shows(state_at(poses(THESIS)['scaption 60']))
+    assert stage.shows(state_at(end_poses(THESIS)['scaption 60']))
     # sliders are shown to a tenth of a degree
     assert until(
         lambda: np.allclose(
-            stage.page.angles(), poses(THESIS)['scaption 60'], atol=np.radians(0.06)
+            stage.page.angles(), end_poses(THESIS)['scaption 60'], atol=np.radians(0.06)
         )
     )
 

@@ -17,12 +17,11 @@ from ros_harness import Peer, together
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.viewer.main import PORT, arguments, free_port, main, where
-from linkedplane_ros.viewer.newest import Facts, Values
-from linkedplane_ros.viewer.node import ViewerNode, muscles_among
-from linkedplane_ros.viewer.scene.geometry import Lines, drawables
-from linkedplane_ros.viewer.scene.geometry import apply as apply_markers
-from linkedplane_ros.viewer.scene.wire import markers
+from linkedplane_ros.viewer.main import PORT, address_line, find_port, main, parse_arguments
+from linkedplane_ros.viewer.newest import MuscleInfo, Values
+from linkedplane_ros.viewer.node import ViewerNode, find_muscles
+from linkedplane_ros.viewer.scene.geometry import Lines, apply_message, drawables
+from linkedplane_ros.viewer.scene.wire import read_markers
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 SOLVER = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
@@ -50,25 +49,25 @@ def viewer(peer: Peer, node: MuscleStatePublisher) -> Iterator[ViewerNode]:
         yield made
 
 
-def facts_of(viewer: ViewerNode) -> Facts | None:
-    return viewer.readers['/deltoid'].newest.take()[0] if viewer.readers else None
+def read_info(viewer: ViewerNode) -> MuscleInfo | None:
+    return viewer.readers['/deltoid'].newest.take_newest()[0] if viewer.readers else None
 
 
 def learnt(viewer: ViewerNode) -> bool:
-    if facts_of(viewer) is None:
+    if read_info(viewer) is None:
         return False
     publisher = viewer.readers['/deltoid'].publisher
     return publisher is not None and publisher.get_subscription_count() > 0
 
 
 def values(viewer: ViewerNode) -> Values:
-    return viewer.readers['/deltoid'].newest.take()[1]
+    return viewer.readers['/deltoid'].newest.take_newest()[1]
 
 
 def move(viewer: ViewerNode, angles: tuple[float, float, float]) -> None:
-    facts = facts_of(viewer)
-    assert facts is not None
-    viewer.move('/deltoid', facts, np.array(angles), np.array((0.1, 0.2, 0.3)))
+    info = read_info(viewer)
+    assert info is not None
+    viewer.move_arm('/deltoid', info, np.array(angles), np.array((0.1, 0.2, 0.3)))
 
 
 def test_a_muscle_is_known_by_its_markers_beside_its_lengths() -> None:
@@ -81,7 +80,7 @@ def test_a_muscle_is_known_by_its_markers_beside_its_lengths() -> None:
         ('/odd/markers', [LENGTHS]),
         ('/odd/band_lengths', [LENGTHS]),
     ]
-    assert muscles_among(topics) == ['/deltoid', '/left/deltoid']
+    assert find_muscles(topics) == ['/deltoid', '/left/deltoid']
 
 
 def test_an_arm_that_is_moved_is_answered_and_shown(viewer: ViewerNode, peer: Peer) -> None:
@@ -111,13 +110,13 @@ def test_the_markers_of_the_newest_pose_are_handed_over(viewer: ViewerNode, peer
     move(viewer, (0.4, 0.2, 0.0))
 
     def shown() -> bool:
-        got.extend(reader.newest.take()[2])
+        got.extend(reader.newest.take_newest()[2])
         return len(got) > 1
 
     assert peer.until(shown)
     there: dict = {}
     for message in got:
-        apply_markers(there, markers(message))
+        apply_message(there, read_markers(message))
     drawn = drawables(there)['bands/lines']
     assert isinstance(drawn, Lines)
     paths = SOLVER.solve(THESIS.rotation((0.4, 0.2, 0.0))).paths(16)
@@ -135,8 +134,8 @@ def test_joints_of_other_names_signs_and_offsets_are_moved_by_the_same_angles(
             Parameter('joint_offsets', value=[0.0, 0.3, -0.2]),
         ]
     )
-    assert peer.until(lambda: facts_of(viewer).joints.names == ('a', 'b', 'c'))
-    assert facts_of(viewer).coordinates == ('plane_of_elevation', 'elevation', 'axial_rotation')
+    assert peer.until(lambda: read_info(viewer).joints.names == ('a', 'b', 'c'))
+    assert read_info(viewer).coordinates == ('plane_of_elevation', 'elevation', 'axial_rotation')
     angles = (0.5, 1.0, 0.2)
     move(viewer, angles)
     assert peer.until(lambda: values(viewer).answered > 0)
@@ -194,17 +193,17 @@ def test_a_missing_library_is_named_with_what_installs_it(monkeypatch: pytest.Mo
 
 
 def test_it_listens_on_this_machine_alone_and_says_so() -> None:
-    options = arguments(['muscle_viewer', '--ros-args', '-r', '__ns:=/a'])
+    options = parse_arguments(['muscle_viewer', '--ros-args', '-r', '__ns:=/a'])
     assert (options.host, options.port) == ('127.0.0.1', None)
-    assert 'http://127.0.0.1:8080 (for this machine alone' in where(options.host, PORT)
-    assert 'they see the arm and move it' in where('0.0.0.0', PORT)
+    assert 'http://127.0.0.1:8080 (from this machine only' in address_line(options.host, PORT)
+    assert 'can see the arm and move it' in address_line('0.0.0.0', PORT)
 
 
 def test_a_busy_port_that_was_asked_for_is_named_in_one_line() -> None:
     with socket.create_server(('127.0.0.1', 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(SystemExit) as ended:
-            free_port('127.0.0.1', port)
+            find_port('127.0.0.1', port)
     assert ended.value.code == f'muscle_viewer: port {port} is taken; --port chooses another'
 
 
@@ -212,7 +211,7 @@ def test_behind_a_busy_default_port_comes_the_next_free_one(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with contextlib.suppress(OSError), socket.create_server(('127.0.0.1', PORT)):
-        assert free_port('127.0.0.1', None) > PORT
+        assert find_port('127.0.0.1', None) > PORT
         assert capsys.readouterr().out.count('\n') == 1
 
 
@@ -225,5 +224,5 @@ def test_behind_a_busy_default_port_comes_the_next_free_one(
 )
 def test_an_address_that_cannot_be_listened_on_is_named(host: str, port: int, line: str) -> None:
     with pytest.raises(SystemExit) as ended:
-        free_port(host, port)
+        find_port(host, port)
     assert line in str(ended.value.code)

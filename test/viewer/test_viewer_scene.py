@@ -13,7 +13,7 @@ from viewer_stage import DRAWN, MISSING, Stage, all_lines_are_seen, state_at
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.bones import shaft_axis
 from linkedplane_ros.drawing.colours import HEAD_COLOURS
-from linkedplane_ros.viewer.panels.motions import poses
+from linkedplane_ros.viewer.panels.motions import end_poses
 from linkedplane_ros.viewer.scene import colour_map
 
 pytestmark = [pytest.mark.skipif(bool(MISSING), reason=MISSING), pytest.mark.browser]
@@ -26,15 +26,15 @@ def test_bands_take_the_colour_of_their_moment_arm(stage: Stage) -> None:
     page = stage.page
     page.press('scaption 60')
     page.choose('head', 'moment arm')
-    state = state_at(poses(THESIS)['scaption 60'])
-    arms = 1e3 * (state.moment_vectors @ THESIS.axes(poses(THESIS)['scaption 60']))[:, 0]
+    state = state_at(end_poses(THESIS)['scaption 60'])
+    arms = 1e3 * (state.moment_vectors @ THESIS.axes(end_poses(THESIS)['scaption 60']))[:, 0]
     assert until(lambda: page.page.get_by_text('moment arm about flexion, mm').count() > 0)
     most = max(
         float(text.removeprefix('+'))
         for text in page.page.locator('span:text-matches("^[+][0-9]+$")').all_inner_texts()
     )
     counts = [len(path) - 1 for path in state.paths(16)]
-    wanted = np.repeat(colour_map.colours(arms, most), counts, axis=0) / 255.0
+    wanted = np.repeat(colour_map.map_colours(arms, most), counts, axis=0) / 255.0
 
     def painted() -> bool:
         light = page.colours()[:, 0]
@@ -52,7 +52,7 @@ def test_all_of_the_muscle_is_in_the_picture_of_a_tablet_too_with_lateral_on_its
     tablet = stage.chromium.new_context(viewport=TABLET, has_touch=True).new_page()
     pages = [stage.page, Page(tablet, stage.viewer.url)]
     centre = np.zeros(3)
-    for pose, angles in poses(THESIS).items():
+    for pose, angles in end_poses(THESIS).items():
         stage.page.press(pose)
         state = state_at(angles)
         arm = np.vstack((*state.paths(16), shaft_axis(DELTOID) @ state.rotation.T))

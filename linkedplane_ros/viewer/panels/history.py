@@ -1,4 +1,4 @@
-"""What the plots remember: the last seconds, and the newest value at each degree."""
+"""The numbers in the plots: of the last seconds, and the newest at each degree."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from ...types import Floats, Interval
 
 
 class Recent:
-    """The newest rows of numbers, each with its time; the oldest make way."""
+    """The newest rows of numbers, each with its time."""
 
     def __init__(self, width: int, most: int) -> None:
-        """Keep so many rows of `width` numbers at most."""
+        """Keep `most` rows of `width` numbers."""
         self._rows = np.full((most, 1 + width), np.nan)
         self._count = 0
 
     def add(self, time: float, values: npt.ArrayLike) -> None:
-        """Take a row in, later than the one before; a row of an earlier time begins anew."""
+        """Add a row; one of an earlier time than the last clears the others."""
         most = len(self._rows)
         if self._count and time < self._rows[(self._count - 1) % most, 0]:
             self._count = 0
@@ -28,7 +28,7 @@ class Recent:
         row[0], row[1:] = time, values
         self._count += 1
 
-    def last(self, seconds: float) -> Floats:
+    def rows_of_last(self, seconds: float) -> Floats:
         """Return the rows (k, 1 + width) of the last seconds, oldest first: time and values."""
         most = len(self._rows)
         if self._count <= most:
@@ -39,32 +39,32 @@ class Recent:
 
 
 class Curve:
-    """The newest row of numbers at each step of a coordinate: a curve, whichever way it was gone.
+    """The newest row of numbers at each step of a coordinate: a curve.
 
-    The muscle's state is a function of the pose alone, so while the other coordinates rest each
-    step has one value.
+    The muscle's state depends on the pose alone, so each step has one value while the other
+    coordinates rest.
     """
 
     def __init__(self, width: int, low: float, high: float, step: float) -> None:
-        """Keep `width` numbers for each step from low to high; what lies beyond is left out."""
+        """Keep `width` numbers for each step from low to high; ignore others."""
         self._low, self._step = low, step
         self._rows = np.full((round((high - low) / step) + 1, 1 + width), np.nan)
 
     def add(self, place: float, values: npt.ArrayLike) -> None:
-        """Take a row in."""
+        """Add a row at a place of the coordinate."""
         k = round((place - self._low) / self._step)
         if 0 <= k < len(self._rows):
             self._rows[k, 0], self._rows[k, 1:] = place, values
 
-    def known(self) -> Floats:
-        """Return the rows (k, 1 + width) in order: where the coordinate was, and the numbers."""
+    def known_rows(self) -> Floats:
+        """Return the rows (k, 1 + width) in order: place and numbers."""
         return np.asarray(self._rows[np.isfinite(self._rows[:, 0])])
 
 
-def side_by_side(curves: Sequence[Floats]) -> Floats:
-    """Return curves (k, 1 + w) as one table: all their places in order, and the numbers of each.
+def merge_curves(curves: Sequence[Floats]) -> Floats:
+    """Return curves (k, 1 + w) as one table: all their places in order, then the numbers of each.
 
-    Between its places a curve is straight; before and behind them its numbers are NaN.
+    Between its places a curve is straight; outside of them its numbers are NaN.
     """
     places = np.unique(np.concatenate([curve[:, 0] for curve in curves]))
     columns = [places]
@@ -77,10 +77,10 @@ def side_by_side(curves: Sequence[Floats]) -> Floats:
     return np.column_stack(columns)
 
 
-def widened(before: Interval | None, values: npt.ArrayLike, step: float) -> Interval | None:
-    """Return a range in round steps that holds all values, with room, and the range before.
+def widen_range(before: Interval | None, values: npt.ArrayLike, step: float) -> Interval | None:
+    """Return a range in round steps around all values, with room, and the range before.
 
-    NaN does not count; None if there is nothing but NaN.
+    NaN is ignored; None if there are no other values and no range before.
     """
     finite = np.asarray(values)[np.isfinite(values)]
     if not finite.size:

@@ -1,4 +1,4 @@
-"""Where the arm goes when a button or a slider moves it: angles and their speeds over time."""
+"""The motions of an arm that buttons and sliders move: angles and speeds over time."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 from ...joints.conventions import JointConvention, turn
 from ...types import Floats, Intervals
 
-UNHURRIED = 1.2  # rad/s: the mean speed of a glide
-SHORTEST = 0.5  # s
-PERIOD = 8.0  # s there and back, of a sweep
-GAP = 0.25  # s: what comes later after a message is a new movement
-ELEVATED = math.radians(150.0)  # how far sliders elevate an arm whose model does not say
-ALL_ROUND = math.radians(120.0)  # how far they turn it
+MEAN_SPEED = 1.2  # rad/s, of a glide
+SHORTEST = 0.5  # s, of a glide
+PERIOD = 8.0  # s, of a sweep there and back
+GAP = 0.25  # s without a drag, after which the next one is a new movement
+MAX_ELEVATION = math.radians(150.0)  # of sliders, if the model gives no range
+MAX_TURN = math.radians(120.0)
 
-# The case study (thesis ch. 5): the ends of its motions, axis and angle in the right scapula
+# The case study (thesis ch. 5): the end poses of its motions, axis and angle, right scapula
 CASE_STUDY: Mapping[str, tuple[tuple[float, float, float], float]] = {
     'neutral': ((1.0, 0.0, 0.0), 0.0),
     'flexion 80': ((1.0, 0.0, 0.0), math.radians(80.0)),
@@ -27,30 +27,36 @@ CASE_STUDY: Mapping[str, tuple[tuple[float, float, float], float]] = {
 }
 
 
-def poses(convention: JointConvention) -> dict[str, Floats]:
+def end_poses(convention: JointConvention) -> dict[str, Floats]:
     """Return the case study's end poses as a convention's angles (3,), rad, by their names.
 
-    A pose that has no angles in it (see `JointConvention.angles`) is left out.
+    A pose that has no angles in the convention (see `JointConvention.angles`) is left out.
     """
-    found = {}
+    poses = {}
     for name, (axis, angle) in CASE_STUDY.items():
         try:
-            found[name] = convention.angles(turn(np.array(axis), angle)) + 0.0
+            poses[name] = convention.angles(turn(np.array(axis), angle)) + 0.0
         except ValueError:
             continue
-    return found
+    return poses
 
 
-def ranges(convention: JointConvention, motion: Intervals | None) -> Intervals:
-    """Return the lowest and highest angle of each coordinate's slider, rad.
+def slider_ranges(convention: JointConvention, motion: Intervals | None) -> Intervals:
+    """Return the lowest and the highest angle of each coordinate's slider, rad.
 
-    `motion`: the model's range of flexion, abduction and rotation, for their convention.
+    Parameters
+    ----------
+    convention
+        The coordinates'.
+    motion
+        The model's range of flexion, abduction and rotation; used for their convention only.
+
     """
     elevates = convention.middle[0] >= 0.0
     if motion is not None and not elevates:
         return motion
-    middle = (0.0, ELEVATED) if elevates else (-ALL_ROUND, ALL_ROUND)
-    return (-ALL_ROUND, ALL_ROUND), middle, (-ALL_ROUND, ALL_ROUND)
+    middle = (0.0, MAX_ELEVATION) if elevates else (-MAX_TURN, MAX_TURN)
+    return (-MAX_TURN, MAX_TURN), middle, (-MAX_TURN, MAX_TURN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,23 +72,23 @@ class Glide:
     @property
     def seconds(self) -> float:
         """How long it takes, s."""
-        return max(float(np.abs(self.end - self.start).max()) / UNHURRIED, SHORTEST)
+        return max(float(np.abs(self.end - self.start).max()) / MEAN_SPEED, SHORTEST)
 
-    def at(self, now: float) -> tuple[Floats, Floats]:
+    def pose_at(self, now: float) -> tuple[Floats, Floats]:
         """Return angles, rad, and speeds, rad/s, (3,) each."""
         x = min(max((now - self.begun) / self.seconds, 0.0), 1.0)
-        way = self.end - self.start
+        path = self.end - self.start
         speed = 30.0 * x * x * (1.0 - x) ** 2 / self.seconds
-        return self.start + x**3 * (10.0 - 15.0 * x + 6.0 * x * x) * way, speed * way
+        return self.start + x**3 * (10.0 - 15.0 * x + 6.0 * x * x) * path, speed * path
 
-    def over(self, now: float) -> bool:
+    def is_over(self, now: float) -> bool:
         """Return whether the end is reached."""
         return now >= self.begun + self.seconds
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """One coordinate from its lowest to its highest angle and back, again and again."""
+    """One coordinate from its lowest to its highest angle and back, repeated."""
 
     base: Floats
     """(3,) rad; the swept coordinate's is not used."""
@@ -91,7 +97,7 @@ class Sweep:
     high: float
     begun: float
 
-    def at(self, now: float) -> tuple[Floats, Floats]:
+    def pose_at(self, now: float) -> tuple[Floats, Floats]:
         """Return angles, rad, and speeds, rad/s, (3,) each; at first the coordinate is lowest."""
         pace = 2.0 * math.pi / PERIOD
         angle = pace * (now - self.begun)
@@ -103,23 +109,23 @@ class Sweep:
 
 
 class Arm:
-    """The arm that sliders and buttons move: where it is, and how fast."""
+    """The arm that sliders and buttons move: its angles and its motion."""
 
     def __init__(self) -> None:
-        """Let it hang."""
+        """Start with the arm at the side."""
         self.angles: Floats = np.zeros(3)
         self._moved = -math.inf
         self._motions: list[Glide | Sweep] = []
 
     @property
-    def moving(self) -> bool:
-        """Whether it moves by itself."""
+    def is_moving(self) -> bool:
+        """Whether a motion is under way."""
         return bool(self._motions)
 
     def drag(self, angles: Floats, now: float) -> Floats:
-        """Put it somewhere by hand; return the speeds (3,), rad/s, from the place before.
+        """Move the arm by hand; return its speeds (3,), rad/s, since the drag before.
 
-        They are zero at the beginning of a movement: it is not known when that began.
+        They are zero at the beginning of a movement, as its start is not known.
         """
         self._motions = []
         since = now - self._moved
@@ -128,29 +134,29 @@ class Arm:
         return speeds
 
     def stop(self) -> None:
-        """Stay."""
+        """End any motion."""
         self._motions = []
 
     def glide(self, end: Floats, now: float) -> None:
-        """Set out for a pose."""
+        """Begin a motion to a pose."""
         self._motions = [Glide(self.angles, end, now)]
 
     def sweep(self, coordinate: int, low: float, high: float, now: float) -> None:
-        """Set out for the lowest angle of a coordinate, then sweep it until something else."""
+        """Begin a motion to the lowest angle of a coordinate, then sweep it from there."""
         start = self.angles.copy()
         start[coordinate] = low
         there = Glide(self.angles, start, now)
         self._motions = [there, Sweep(start, coordinate, low, high, now + there.seconds)]
 
-    def at(self, now: float) -> Floats:
-        """Move on by itself; return the speeds (3,), rad/s, zero once it rests."""
+    def advance(self, now: float) -> Floats:
+        """Continue the motion; return the speeds (3,), rad/s, zero at rest."""
         if not self._motions:
             return np.zeros(3)
         motion = self._motions[0]
-        if isinstance(motion, Glide) and motion.over(now):
+        if isinstance(motion, Glide) and motion.is_over(now):
             self._motions.pop(0)
             self.angles = motion.end
-            return self.at(now)
-        self.angles, speeds = motion.at(now)
+            return self.advance(now)
+        self.angles, speeds = motion.pose_at(now)
         self._moved = now
         return speeds

@@ -1,4 +1,4 @@
-"""The panel of one muscle: sliders and buttons that move its arm, or follow its stream."""
+"""The panel of one muscle: sliders and buttons that move its arm, or follow other publishers."""
 
 from __future__ import annotations
 
@@ -10,34 +10,46 @@ import numpy as np
 import viser
 
 from ...types import Floats
-from ..newest import Facts, Values
-from .motions import Arm, poses, ranges
+from ..newest import MuscleInfo, Values
+from .motions import Arm, end_poses, slider_ranges
 
 SETTLED = 0.15  # s without a move after which the arm is at rest
-HEARTBEAT = 1.0  # s between joint states at rest: a node that comes back learns the pose from them
-SHOWN = 0.05  # s between moves of the sliders by something else than a hand
-SILENT = 3.0  # s without an answer after which a node that was told something is taken for dead
-UNDECIDED = 1.5  # s in which other publishers are found, before the arm is moved or followed
+HEARTBEAT = 1.0  # s between joint states at rest: a restarted node learns the pose from them
+SHOWN = 0.05  # s between moves of the sliders by the program
+SILENT = 3.0  # s without an answer, after which the node is reported as silent
+UNDECIDED = 1.5  # s to find other publishers, before the arm is moved or followed
 STEP = 0.5  # deg
 
 PLAY, STOP = 'play a sweep', 'stop'
 
 
 class MusclePanel:
-    """Moves one arm; `move` publishes angles (3,), rad, and speeds (3,), rad/s."""
+    """The controls of one arm.
+
+    Parameters
+    ----------
+    gui
+        Its open part gets the controls.
+    info
+        The muscle's.
+    move
+        Publishes angles (3,), rad, and speeds (3,), rad/s.
+    coordinate
+        Returns the coordinate that is swept: 0, 1 or 2.
+
+    """
 
     def __init__(
         self,
         gui: viser.GuiApi,
-        facts: Facts,
+        info: MuscleInfo,
         move: Callable[[Floats, Floats], None],
         coordinate: Callable[[], int],
     ) -> None:
-        """Add the panel to what is open of the GUI; `coordinate` tells which one is swept."""
         self._move = move
         self._coordinate = coordinate
-        self._ranges = np.round(np.degrees(ranges(facts.convention, facts.motion)), 1)
-        self._poses = poses(facts.convention)
+        self._ranges = np.round(np.degrees(slider_ranges(info.convention, info.motion)), 1)
+        self._poses = end_poses(info.convention)
         self._arm = Arm()
         self._begun = time.monotonic()
         self._sent = self._shown = -np.inf
@@ -48,35 +60,35 @@ class MusclePanel:
         self._status = gui.add_html('')
         self._sliders = [
             gui.add_slider(f'{name} (deg)', float(low), float(high), STEP, float(max(low, 0.0)))
-            for name, (low, high) in zip(facts.coordinates, self._ranges, strict=True)
+            for name, (low, high) in zip(info.coordinates, self._ranges, strict=True)
         ]
         buttons = gui.add_button_group('go to', tuple(self._poses))
         self._play = gui.add_button(PLAY)
         self._follow = gui.add_checkbox('follow the stream', False)
         for slider in self._sliders:
-            slider.on_update(self._dragged)
-        buttons.on_click(self._go)
-        self._play.on_click(self._sweep)
-        self._follow.on_update(self._switched)
+            slider.on_update(self._on_drag)
+        buttons.on_click(self._on_go_to)
+        self._play.on_click(self._on_sweep)
+        self._follow.on_update(self._on_follow)
 
-    # What the library calls is asynchronous, so that all is done in one thread, that of its loop.
-    # It also calls for what is changed here, not in a browser; there is then no client.
+    # The library's callbacks are asynchronous: all of them run in one thread, that of its loop.
+    # They are also called for changes that are made here; there is then no client.
 
-    async def _dragged(self, event: Any) -> None:
+    async def _on_drag(self, event: Any) -> None:
         if event.client is None or self._follow.value:
             return
         now = time.monotonic()
-        # a number that is being typed may be beyond the range for a moment
+        # a number may be beyond the range while it is typed
         low, high = self._ranges.T
         angles = np.radians(np.clip([slider.value for slider in self._sliders], low, high))
         self._send(self._arm.drag(angles, now), now)
         self._take_over()
 
-    async def _go(self, event: Any) -> None:
+    async def _on_go_to(self, event: Any) -> None:
         self._take_over()
         self._arm.glide(self._poses[event.target.value], time.monotonic())
 
-    async def _sweep(self, _: Any) -> None:
+    async def _on_sweep(self, _: Any) -> None:
         playing = self._play.label == STOP
         self._take_over()
         if not playing:
@@ -85,20 +97,20 @@ class MusclePanel:
             self._arm.sweep(k, low, high, time.monotonic())
             self._play.label = STOP
 
-    async def _switched(self, event: Any) -> None:
+    async def _on_follow(self, event: Any) -> None:
         if event.client is not None:
-            self._decide(self._follow.value)
+            self._set_following(self._follow.value)
 
     def _take_over(self) -> None:
-        """Move the arm from here, from where it is."""
+        """Move the arm from here on, starting where it is."""
         self._arm.stop()
         self._play.label = PLAY
         self._resting = False
         if self._follow.value:
-            self._decide(False)
+            self._set_following(False)
 
-    def _decide(self, follow: bool) -> None:
-        """Follow the stream, or take over where the arm is."""
+    def _set_following(self, follow: bool) -> None:
+        """Follow other publishers, or move the arm, starting where it is."""
         self._decided = True
         self._arm.stop()
         self._play.label = PLAY
@@ -112,33 +124,33 @@ class MusclePanel:
         self._move(self._arm.angles, speeds)
         self._sent = now
 
-    def tick(self, newest: Values) -> None:
-        """Go on: to be called for each frame, with the newest state."""
+    def update(self, newest: Values) -> None:
+        """Continue motions and show the newest state; called for each frame."""
         now = time.monotonic()
         if newest.answered != self._newest.answered:
             self._heard = now
         self._newest = newest
         silent = self._sent > self._heard and now > self._heard + SILENT
-        self._status.content = status(newest, self._follow.value, silent)
+        self._status.content = status_html(newest, self._follow.value, silent)
         if not self._decided:
             if now < self._begun + UNDECIDED and not newest.rivals:
                 return
             self._decided = True
             if newest.rivals:
-                self._decide(True)
+                self._set_following(True)
         if self._follow.value:
             if newest.angles is not None:
-                self._show(newest.angles, now)
-        elif self._arm.moving:
-            self._send(self._arm.at(now), now)
+                self._move_sliders(newest.angles, now)
+        elif self._arm.is_moving:
+            self._send(self._arm.advance(now), now)
             self._resting = False
-            self._show(self._arm.angles, now, last=not self._arm.moving)
+            self._move_sliders(self._arm.angles, now, last=not self._arm.is_moving)
         elif now > self._sent + (HEARTBEAT if self._resting else SETTLED):
             self._send(np.zeros(3), now)
             self._resting = True
 
-    def _show(self, angles: Floats, now: float, last: bool = False) -> None:
-        """Let the sliders go along."""
+    def _move_sliders(self, angles: Floats, now: float, last: bool = False) -> None:
+        """Move the sliders to angles, rad, some times a second; `last` ones in any case."""
         if now < self._shown + SHOWN and not last:
             return
         self._shown = now
@@ -148,17 +160,17 @@ class MusclePanel:
             slider.value = value
 
 
-def status(newest: Values, following: bool, silent: bool) -> str:
-    """Return a line on what is to be known of the node, or nothing, as HTML."""
+def status_html(newest: Values, following: bool, silent: bool) -> str:
+    """Return a line if something is wrong with the node or its input, as HTML."""
     line = ''
     if not newest.present:
-        line = 'the node is gone: its last state stays'
+        line = 'the node has stopped; its last state is shown'
     elif newest.lengths is None:
-        line = 'no joint state has been answered so far'
+        line = 'no joint state has been answered yet'
     elif silent and not following:
-        line = 'the node does not answer: its last state stays'
+        line = 'the node does not answer; its last state is shown'
     elif newest.rivals and not following:
-        line = 'something else moves this arm, too: follow the stream?'
+        line = 'another publisher moves this arm, too: follow the stream?'
     return (
         f'<div style="padding:0 0.9em;font-size:0.8em;color:#c4622d">{line}</div>' if line else ''
     )

@@ -1,18 +1,20 @@
-"""The bands in numbers: length, moment arm, wrap state, interference."""
+"""The table of the bands: length, moment arm, wrap state, interference."""
 
 from __future__ import annotations
 
-from ..newest import Facts, Values
+from ..newest import MuscleInfo, Values
 
 STATES = ('wrapped', 'clear', 'missed', 'inside')  # WrapState, 0 to 3
 CELL = 'style="padding:0 0.4em;text-align:right"'
 
 
-def table(facts: Facts, newest: Values, coordinate: int, interfering: set[int]) -> str:
-    """Return a muscle's bands as a table of HTML; mm."""
-    head = ('band', 'length', f'arm: {facts.coordinates[coordinate]}', '', '')
+def bands_table_html(
+    info: MuscleInfo, newest: Values, coordinate: int, interfering: set[int]
+) -> str:
+    """Return the bands as an HTML table, in mm; the arms are those about a coordinate (0, 1, 2)."""
+    head = ('band', 'length', f'arm: {info.coordinates[coordinate]}', '', '')
     rows = [''.join(f'<th {CELL}>{each}</th>' for each in head)]
-    for i, band in enumerate(facts.bands):
+    for i, band in enumerate(info.bands):
         cells = [band, '', '', '', '']
         if newest.lengths is not None and i < len(newest.lengths):
             cells[1] = f'{1e3 * newest.lengths[i]:.1f}'

@@ -1,8 +1,8 @@
-"""A colour for a number with a sign, even to the eye: from blue over grey to orange.
+"""A colour for a number with a sign, in steps that look even: from blue over grey to orange.
 
-The way is two straight lines in Oklab (B. Ottosson, "A perceptual color space for image
-processing", 2020), where equal distances look equally far apart; grey stands for zero, and both
-ends are as far from it and can be told apart by colour-blind readers.
+The map is two straight lines in Oklab (B. Ottosson, "A perceptual color space for image
+processing", 2020), where equal distances look equal; grey stands for zero, both ends are equally
+far from it, and colour-blind readers can tell them apart.
 """
 
 from __future__ import annotations
@@ -14,13 +14,12 @@ import numpy.typing as npt
 
 from ...types import Bytes, Floats
 
-# lightness and the two axes of colour: dark and light grounds set off all of the way, and a screen
-# shows it
+# lightness and the two axes of colour: visible on dark and light grounds, and within sRGB
 ZERO = np.array((0.74, 0.0, 0.0))
 REACH = 0.24
 BLUE, ORANGE = (
-    ZERO + REACH * way / np.linalg.norm(way)
-    for way in (np.array((-0.19, -0.03, -0.14)), np.array((-0.13, 0.12, 0.095)))
+    ZERO + REACH * direction / np.linalg.norm(direction)
+    for direction in (np.array((-0.19, -0.03, -0.14)), np.array((-0.13, 0.12, 0.095)))
 )
 
 LMS = np.array(
@@ -41,14 +40,14 @@ LINEAR = np.array(
 BAR = 'height:0.8em;border-radius:2px;'
 
 
-def oklab(places: npt.ArrayLike) -> Floats:
-    """Return the Oklab colours (..., 3) of places -1..1 on the map."""
-    t = np.clip(np.asarray(places, dtype=np.float64), -1.0, 1.0)[..., np.newaxis]
+def oklab(numbers: npt.ArrayLike) -> Floats:
+    """Return the Oklab colours (..., 3) of numbers -1..1 on the map."""
+    t = np.clip(np.asarray(numbers, dtype=np.float64), -1.0, 1.0)[..., np.newaxis]
     return np.asarray(ZERO + np.where(t < 0.0, -t * (BLUE - ZERO), t * (ORANGE - ZERO)))
 
 
-def screen(lab: Floats) -> Floats:
-    """Return red, green and blue (..., 3) in 0..1 (sRGB) of Oklab colours, not cut off."""
+def srgb(lab: Floats) -> Floats:
+    """Return red, green and blue (..., 3) in 0..1 of Oklab colours, not clipped."""
     linear = (lab @ LMS.T) ** 3 @ LINEAR.T
     low = 12.92 * linear
     return np.asarray(
@@ -58,14 +57,14 @@ def screen(lab: Floats) -> Floats:
     )
 
 
-def colours(values: npt.ArrayLike, most: float) -> Bytes:
-    """Return red, green and blue 0..255 (n, 3) of values from -most to most."""
-    shown = screen(oklab(np.asarray(values, dtype=np.float64) / most))
-    return np.rint(255.0 * np.clip(shown, 0.0, 1.0)).astype(np.uint8)
+def map_colours(values: npt.ArrayLike, limit: float) -> Bytes:
+    """Return red, green and blue, 0..255, (n, 3) of values from -limit to limit."""
+    rgb = srgb(oklab(np.asarray(values, dtype=np.float64) / limit))
+    return np.rint(255.0 * np.clip(rgb, 0.0, 1.0)).astype(np.uint8)
 
 
 def round_up(value: float) -> float:
-    """Return the first of 1, 2, 5, 10, 20 ... (with any power of ten) that is not less."""
+    """Return the least of 1, 2, 5, 10, 20 ... (or less than 1: 0.5, 0.2 ...) that is not below."""
     if value <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(value))
@@ -74,13 +73,14 @@ def round_up(value: float) -> float:
     )
 
 
-def legend(title: str, most: float, unit: str) -> str:
-    """Return the map with its ends and zero as a piece of HTML."""
+def legend_html(title: str, limit: float, unit: str) -> str:
+    """Return the map with its ends and zero, as HTML."""
     stops = ','.join(
-        'rgb({},{},{})'.format(*colour) for colour in colours(np.linspace(-1, 1, 13), 1.0).tolist()
+        'rgb({},{},{})'.format(*colour)
+        for colour in map_colours(np.linspace(-1, 1, 13), 1.0).tolist()
     )
     ends = ''.join(
-        f'<span>{value:+g}</span>' if value else '<span>0</span>' for value in (-most, 0, most)
+        f'<span>{value:+g}</span>' if value else '<span>0</span>' for value in (-limit, 0, limit)
     )
     return (
         f'<div style="padding:0 0.9em 0.6em;font-size:0.8em">{title}, {unit}'

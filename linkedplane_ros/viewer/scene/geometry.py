@@ -1,4 +1,4 @@
-"""From markers to what a scene draws: lines, bodies and sheets, one of a kind for a namespace.
+"""From markers to what a scene draws: lines, bodies and sheets, few for each namespace.
 
 Few things with many parts are drawn faster than many things. Lengths in m, colours 0..255.
 """
@@ -30,10 +30,10 @@ BANDS = 'bands'
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """Pieces of lines."""
+    """Straight pieces."""
 
     points: Floats
-    """(m, 2, 3) their ends."""
+    """(m, 2, 3): the ends of each."""
     colours: Bytes
     """(m, 2, 3)"""
     width: float
@@ -41,11 +41,11 @@ class Lines:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Balls, or rods along their z, of diameter 1 and height 1 before they are scaled."""
+    """Balls, or rods along z, scaled from diameter 1 and height 1."""
 
     positions: Floats
     """(m, 3)"""
-    turns: Floats
+    orientations: Floats
     """(m, 4) w x y z."""
     sizes: Floats
     """(m, 3)"""
@@ -67,7 +67,7 @@ class Sheets:
 Drawable = Lines | Bodies | Sheets
 
 
-def apply(markers: Markers, message: Iterable[Marker]) -> None:
+def apply_message(markers: Markers, message: Iterable[Marker]) -> None:
     """Add, replace and remove markers as a message says."""
     for marker in message:
         if marker.action == DELETE_ALL:
@@ -81,28 +81,39 @@ def apply(markers: Markers, message: Iterable[Marker]) -> None:
 def drawables(
     markers: Markers, band_colours: Mapping[int, npt.ArrayLike] | None = None
 ) -> dict[str, Drawable]:
-    """Return what is to be drawn, by name: namespace/kind, or namespace/sheets/colour.
+    """Return what is drawn of markers.
 
-    `band_colours`: red, green and blue 0..255 of bands that are not to have their marker's colour.
+    Parameters
+    ----------
+    markers
+        By namespace and number.
+    band_colours
+        Red, green and blue, 0..255, by the number of a band; other bands have their marker's.
+
+    Returns
+    -------
+    dict
+        By name: namespace/kind, or namespace/sheets/colour.
+
     """
     groups: dict[str, list[Marker]] = {}
     for marker in markers.values():
-        groups.setdefault(name_of(marker), []).append(marker)
-    makers = {'lines': lines, 'balls': bodies, 'rods': bodies}
+        groups.setdefault(drawable_name(marker), []).append(marker)
     drawn: dict[str, Drawable] = {}
     for name, group in groups.items():
         kind = name.split('/')[1]
         if kind == 'lines':
-            drawn[name] = lines(group, band_colours or {} if name.startswith(f'{BANDS}/') else {})
-        elif kind in makers:
-            drawn[name] = bodies(group)
+            own = band_colours or {} if name.startswith(f'{BANDS}/') else {}
+            drawn[name] = merge_lines(group, own)
+        elif kind in ('balls', 'rods'):
+            drawn[name] = merge_bodies(group)
         elif kind == 'sheets':
-            drawn[name] = sheets(group)
+            drawn[name] = merge_sheets(group)
     return drawn
 
 
-def name_of(marker: Marker) -> str:
-    """Return the name of what a marker is drawn with; other kinds of markers are not drawn."""
+def drawable_name(marker: Marker) -> str:
+    """Return the name of the drawable that a marker is part of; unknown kinds are not drawn."""
     if marker.kind in (LINE_STRIP, LINE_LIST):
         return f'{marker.namespace}/lines'
     if marker.kind in (SPHERE, SPHERE_LIST):
@@ -115,16 +126,16 @@ def name_of(marker: Marker) -> str:
 
 
 def rgb(colour: Floats) -> tuple[int, int, int]:
-    """Return red, green and blue 0..255 of a colour in 0..1."""
+    """Return red, green and blue, 0..255, of a colour in 0..1."""
     red, green, blue = np.rint(255.0 * np.clip(colour[:3], 0.0, 1.0)).astype(int).tolist()
     return red, green, blue
 
 
-def lines(group: list[Marker], colours: Mapping[int, npt.ArrayLike]) -> Lines:
-    """Return strips and lists of lines as pieces; a number's colour instead of its marker's."""
+def merge_lines(group: list[Marker], colours: Mapping[int, npt.ArrayLike]) -> Lines:
+    """Return line strips and line lists as pieces; `colours`, by number, replace the markers'."""
     ends, paint = [np.empty((0, 2, 3))], [np.empty((0, 2, 3), np.uint8)]
     for marker in group:
-        points = placed(marker)
+        points = posed_points(marker)
         if marker.kind == LINE_LIST:
             pieces = points[: len(points) // 2 * 2].reshape(-1, 2, 3)
         else:
@@ -135,36 +146,36 @@ def lines(group: list[Marker], colours: Mapping[int, npt.ArrayLike]) -> Lines:
     return Lines(np.concatenate(ends), np.concatenate(paint), float(group[0].scale[0]))
 
 
-def bodies(group: list[Marker]) -> Bodies:
-    """Return spheres, lists of spheres and cylinders as placed, turned and sized bodies."""
-    positions, turns, sizes, paint = [], [], [], []
+def merge_bodies(group: list[Marker]) -> Bodies:
+    """Return spheres, sphere lists and cylinders as bodies."""
+    positions, orientations, sizes, paint = [], [], [], []
     for marker in group:
-        listed = marker.kind == SPHERE_LIST
-        places = placed(marker) if listed else marker.position[np.newaxis]
+        is_list = marker.kind == SPHERE_LIST
+        places = posed_points(marker) if is_list else marker.position[np.newaxis]
         own = np.tile(rgb(marker.colour), (len(places), 1))
-        if listed and len(marker.colours) == len(places):
+        if is_list and len(marker.colours) == len(places):
             own = np.rint(255.0 * np.clip(marker.colours[:, :3], 0.0, 1.0))
         positions.append(places)
-        turns.append(np.tile(marker.orientation[[3, 0, 1, 2]], (len(places), 1)))
+        orientations.append(np.tile(marker.orientation[[3, 0, 1, 2]], (len(places), 1)))
         sizes.append(np.tile(marker.scale, (len(places), 1)))
         paint.append(own)
     return Bodies(
         np.concatenate(positions),
-        np.concatenate(turns),
+        np.concatenate(orientations),
         np.concatenate(sizes),
         np.concatenate(paint).astype(np.uint8),
         float(group[0].colour[3]),
     )
 
 
-def sheets(group: list[Marker]) -> Sheets:
-    """Return lists of triangles of one colour as one."""
-    points = [placed(marker)[: len(marker.points) // 3 * 3] for marker in group]
+def merge_sheets(group: list[Marker]) -> Sheets:
+    """Return triangle lists of one colour as one sheet."""
+    points = [posed_points(marker)[: len(marker.points) // 3 * 3] for marker in group]
     return Sheets(np.concatenate(points), rgb(group[0].colour), float(group[0].colour[3]))
 
 
-def placed(marker: Marker) -> Floats:
-    """Return a marker's points (k, 3) where its pose puts them."""
+def posed_points(marker: Marker) -> Floats:
+    """Return the points (k, 3) of a marker, moved by its pose."""
     x, y, z, w = marker.orientation.tolist()
     if (x, y, z) == (0.0, 0.0, 0.0):
         return marker.points + marker.position

@@ -1,4 +1,4 @@
-"""How the muscles are shown: what bands are coloured by, the legend, what else is to be seen."""
+"""The controls of the look: what colours the bands, their legend, and what else is visible."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import viser
 
 from ...drawing.colours import HEAD_COLOURS
 from ...types import Floats
-from ..newest import Facts, Values
-from .colour_map import colours, legend, round_up
+from ..newest import MuscleInfo, Values
+from .colour_map import legend_html, map_colours, round_up
 
 HEAD, LENGTH, ARM = 'head', 'length change', 'moment arm'
 MILLIMETRES = 1e3
@@ -25,22 +25,22 @@ HIDEABLE = {
 
 
 class Look:
-    """The choices; every browser sees the same."""
+    """What the user has chosen; every browser shows the same."""
 
-    def __init__(self, gui: viser.GuiApi, facts: Facts) -> None:
-        """Add what is always at hand to what is open of the GUI."""
+    def __init__(self, gui: viser.GuiApi, info: MuscleInfo) -> None:
+        """Add the controls that are always visible to the open part of the GUI."""
         self._gui = gui
-        self._most = 0.0
-        self._shown: tuple[Any, ...] = ()
+        self._limit = 0.0
+        self._legend_key: tuple[Any, ...] = ()
         self._references: dict[str, Floats] = {}
         self._bands_by = gui.add_dropdown('colour by', (HEAD, LENGTH, ARM))
-        self._coordinate = gui.add_dropdown('coordinate', facts.coordinates)
+        self._coordinate = gui.add_dropdown('coordinate', info.coordinates)
         self._legend = gui.add_html('')
-        self._bands_by.on_update(self._begin_anew)
-        self._coordinate.on_update(self._begin_anew)
+        self._bands_by.on_update(self._reset_scale)
+        self._coordinate.on_update(self._reset_scale)
 
-    def add_more(self, gui: viser.GuiApi) -> None:
-        """Add the rest to what is open of the GUI."""
+    def add_options(self, gui: viser.GuiApi) -> None:
+        """Add the other controls to the open part of the GUI."""
         self._boxes = {
             namespace: gui.add_checkbox(text, shown)
             for text, (namespace, shown) in HIDEABLE.items()
@@ -48,33 +48,33 @@ class Look:
         self._axes = gui.add_checkbox('axes', True)
         self._dark = gui.add_checkbox('dark', False)
         again = gui.add_button(
-            'no length change here', hint='Length changes count from this pose on.'
+            'zero the length change', hint='Length changes count from the present pose.'
         )
-        again.on_click(self._measure_anew)
-        self._dark.on_update(self._darken)
+        again.on_click(self._reset_references)
+        self._dark.on_update(self._update_theme)
 
-    async def _begin_anew(self, _: Any) -> None:
-        self._most = 0.0
+    async def _reset_scale(self, _: Any) -> None:
+        self._limit = 0.0
 
-    async def _measure_anew(self, _: Any) -> None:
+    async def _reset_references(self, _: Any) -> None:
         self._references.clear()
 
-    async def _darken(self, _: Any) -> None:
-        theme(self._gui, self._dark.value)
+    async def _update_theme(self, _: Any) -> None:
+        set_theme(self._gui, self._dark.value)
 
     @property
     def coordinate(self) -> int:
-        """Which coordinate is looked at: 0, 1 or 2."""
+        """The chosen coordinate: 0, 1 or 2."""
         return int(self._coordinate.options.index(self._coordinate.value))
 
     @property
     def hidden(self) -> set[str]:
-        """The namespaces that are not to be seen."""
+        """The namespaces that are hidden."""
         return {namespace for namespace, box in self._boxes.items() if not box.value}
 
     @property
     def axes(self) -> bool:
-        """Whether the axes are to be seen."""
+        """Whether the axes are visible."""
         return bool(self._axes.value)
 
     @property
@@ -82,10 +82,10 @@ class Look:
         """Whether the page is dark."""
         return bool(self._dark.value)
 
-    def measured(self, prefix: str, newest: Values) -> Floats | None:
-        """Return what the bands of a muscle are coloured by (n,), mm; None: by their heads.
+    def band_values(self, prefix: str, newest: Values) -> Floats | None:
+        """Return the values (n,), mm, that colour the bands of a muscle; None: by their heads.
 
-        The length change is that since the first state that was seen, or since the button.
+        A length change counts from the first state that was seen, or from the button.
         """
         by = self._bands_by.value
         if by == LENGTH and newest.lengths is not None:
@@ -98,35 +98,35 @@ class Look:
         return None
 
     def band_colours(self, values: Floats | None) -> dict[int, npt.NDArray[np.uint8]] | None:
-        """Return the colour of each band, and widen the map where a value is beyond its end."""
+        """Return the colour of each band; widens the map if a value is beyond its end."""
         if values is None:
             return None
-        self._most = max(self._most, round_up(float(np.abs(values).max(initial=1.0))))
-        return dict(enumerate(colours(values, self._most)))
+        self._limit = max(self._limit, round_up(float(np.abs(values).max(initial=1.0))))
+        return dict(enumerate(map_colours(values, self._limit)))
 
-    def write_legend(self, facts: Facts) -> None:
-        """Say what the colours mean."""
+    def update_legend(self, info: MuscleInfo) -> None:
+        """Show what the colours mean."""
         by, name = self._bands_by.value, self._coordinate.value
-        shown = by, name, self._most, facts.heads
-        if shown == self._shown:
+        key = by, name, self._limit, info.heads
+        if key == self._legend_key:
             return
-        self._shown = shown
+        self._legend_key = key
         if by == HEAD:
-            self._legend.content = legend_of_heads([head for head, _ in facts.heads])
+            self._legend.content = heads_legend_html([head for head, _ in info.heads])
         else:
             title = 'length change' if by == LENGTH else f'moment arm about {name}'
-            self._legend.content = legend(title, self._most or 1.0, 'mm')
+            self._legend.content = legend_html(title, self._limit or 1.0, 'mm')
 
 
-def theme(gui: viser.GuiApi, dark: bool) -> None:
+def set_theme(gui: viser.GuiApi, dark: bool) -> None:
     """Make the page dark or light."""
     gui.configure_theme(
         dark_mode=dark, show_logo=False, show_share_button=False, control_width='medium'
     )
 
 
-def legend_of_heads(heads: list[str]) -> str:
-    """Return the heads' names beside their colours as a piece of HTML."""
+def heads_legend_html(heads: list[str]) -> str:
+    """Return the names of the heads beside their colours, as HTML."""
     items = []
     for i, head in enumerate(heads):
         colour = ','.join(str(round(255 * c)) for c in HEAD_COLOURS[i % len(HEAD_COLOURS)])

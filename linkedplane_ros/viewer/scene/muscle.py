@@ -1,4 +1,4 @@
-"""The scene in the browser: what is drawn of a muscle, kept in step with its markers."""
+"""One muscle in the scene of the browser, updated from its drawables."""
 
 from __future__ import annotations
 
@@ -14,16 +14,18 @@ from .geometry import Bodies, Drawable, Lines, Sheets
 
 GREY = (128, 128, 128)
 AXES = 0.09  # m that the axes reach from the glenohumeral centre
-APART = 0.17  # m from the middle of the body to a glenohumeral centre, as both_shoulders.launch.py
+APART = (
+    0.17  # m from the middle of the body to a glenohumeral centre, as in both_shoulders.launch.py
+)
 THIN = 0.0012  # m, of the axes
-PIXELS = 1500.0  # of a metre of a line's width: as wide from near and far, a third of the work
-BEAD = 0.02  # m: what is smaller is drawn with few triangles
+PIXELS = 1500.0  # a metre of line width: constant on the screen, at a third of the work
+BEAD = 0.02  # m: smaller balls are drawn with few triangles
 BALL, SMALL_BALL = (trimesh.creation.icosphere(subdivisions=k, radius=0.5) for k in (3, 1))
 ROD = trimesh.creation.cylinder(radius=0.5, height=1.0, sections=32)
 
 
-def prepare(server: viser.ViserServer) -> None:
-    """Light the scene from before and above, without shadows."""
+def light_scene(server: viser.ViserServer) -> None:
+    """Light the scene from the front and above, without shadows."""
     scene = server.scene
     scene.set_up_direction('+z')
     scene.configure_default_lights(enabled=False)
@@ -36,10 +38,10 @@ def prepare(server: viser.ViserServer) -> None:
 
 
 class MuscleScene:
-    """One muscle in the scene, under the name of its topics' prefix."""
+    """One muscle in the scene, named after the prefix of its topics."""
 
     def __init__(self, server: viser.ViserServer, prefix: str) -> None:
-        """Make its place."""
+        """Add its frame."""
         self._scene = server.scene
         self._prefix = prefix
         self._place = self._scene.add_frame(prefix, show_axes=False)
@@ -47,16 +49,16 @@ class MuscleScene:
         self._labels: list[Any] = []
         self._side = ''
 
-    def settle(self, side: str, muscles: int) -> None:
-        """Stand where the shoulder of that side is, or in the middle if it is alone."""
+    def place_shoulder(self, side: str, muscles: int) -> None:
+        """Move the muscle to the shoulder of a side, or to the middle if it is the only one."""
         away = APART if side == 'right' else -APART
         self._place.position = (UNIT * away if muscles > 1 else 0.0, 0.0, 0.0)
         if side != self._side:
             self._side = side
-            self._name_axes(1.0 if side == 'right' else -1.0)
+            self._draw_axes(1.0 if side == 'right' else -1.0)
 
-    def _name_axes(self, lateral: float) -> None:
-        """Draw the axes of the scapula with the names of anatomy."""
+    def _draw_axes(self, lateral: float) -> None:
+        """Draw the axes of the scapula with their anatomical names."""
         for label in self._labels:
             label.remove()
         ends = {
@@ -76,29 +78,29 @@ class MuscleScene:
             ),
         ]
 
-    def show_axes(self, shown: bool) -> None:
-        """Show the axes and their names, or do not."""
+    def show_axes(self, visible: bool) -> None:
+        """Show or hide the axes and their names."""
         for label in self._labels:
-            label.visible = shown
+            label.visible = visible
 
     def draw(self, drawables: dict[str, Drawable]) -> None:
-        """Draw these and nothing else."""
+        """Draw these and hide everything else."""
         for name, each in drawables.items():
             if name not in self._handles:
-                self._handles[name] = self._added(name, each)
+                self._handles[name] = self._add(name, each)
             else:
-                update(self._handles[name], each)
+                update_handle(self._handles[name], each)
         for name, handle in self._handles.items():
             handle.visible = name in drawables
 
-    def _added(self, name: str, drawable: Drawable) -> Any:
-        """Add a thing to the scene."""
+    def _add(self, name: str, drawable: Drawable) -> Any:
+        """Add a drawable to the scene; return the library's handle."""
         path = f'{self._prefix}/{name}'
         if isinstance(drawable, Lines):
             return self._scene.add_line_segments(
                 path,
                 UNIT * drawable.points,
-                linear(drawable.colours),
+                linear_rgb(drawable.colours),
                 thickness=PIXELS * drawable.width,
                 thickness_units='screen',
             )
@@ -109,10 +111,10 @@ class MuscleScene:
                 path,
                 mesh.vertices,
                 mesh.faces,
-                drawable.turns,
+                drawable.orientations,
                 UNIT * drawable.positions,
                 batched_scales=UNIT * drawable.sizes,
-                batched_colors=linear(drawable.colours),
+                batched_colors=linear_rgb(drawable.colours),
                 opacity=opacity(drawable),
                 lod='off',
                 cast_shadow=False,
@@ -131,27 +133,30 @@ class MuscleScene:
         )
 
 
-def linear(colours: Bytes) -> Bytes:
-    """Return red, green and blue 0..255 as the library takes those of parts: linear in light."""
-    shown = colours / 255.0
-    light = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+def linear_rgb(colours: Bytes) -> Bytes:
+    """Return red, green and blue, 0..255, linear in light, as the library takes those of parts."""
+    srgb = colours / 255.0
+    light = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
     return np.rint(255.0 * light).astype(np.uint8)
 
 
 def opacity(drawable: Bodies | Sheets) -> float | None:
-    """Return the opacity of what can be seen through; None of what cannot."""
+    """Return the opacity of a drawable; None if it is opaque."""
     return drawable.opacity if drawable.opacity < 1.0 else None
 
 
-def update(handle: Any, drawable: Drawable) -> None:
-    """Change a thing of the scene; the library sends only what is different."""
+def update_handle(handle: Any, drawable: Drawable) -> None:
+    """Change a drawable of the scene; the library sends only what is different."""
     if isinstance(drawable, Lines):
-        handle.points, handle.colors = UNIT * drawable.points, linear(drawable.colours)
+        handle.points, handle.colors = UNIT * drawable.points, linear_rgb(drawable.colours)
         handle.thickness = PIXELS * drawable.width
     elif isinstance(drawable, Bodies):
-        handle.batched_positions, handle.batched_wxyzs = UNIT * drawable.positions, drawable.turns
+        handle.batched_positions, handle.batched_wxyzs = (
+            UNIT * drawable.positions,
+            drawable.orientations,
+        )
         handle.batched_scales = UNIT * drawable.sizes
-        handle.batched_colors = linear(drawable.colours)
+        handle.batched_colors = linear_rgb(drawable.colours)
     else:
         handle.vertices = UNIT * drawable.points
         if len(handle.faces) != len(drawable.points) // 3:

@@ -1,6 +1,6 @@
-"""A MarkerArray as it comes over the wire: CDR bytes to arrays, without a message for each point.
+"""From the bytes of a MarkerArray (CDR) to arrays, without a message for each point.
 
-rclpy takes six times as long to make its messages: too long for the rate of a screen.
+rclpy takes six times as long to build its messages: too long for the rate of a screen.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...errors import LinkedPlaneError
 from ...types import Floats
 
 ENCAPSULATION = 4  # bytes before the message; alignment counts from behind them
@@ -20,7 +21,7 @@ ADD, DELETE, DELETE_ALL = 0, 2, 3
 
 @dataclass(frozen=True, eq=False)
 class Marker:
-    """What is drawn of a visualization_msgs/Marker; lengths in m."""
+    """The part of a visualization_msgs/Marker that is drawn; lengths in m."""
 
     namespace: str
     number: int
@@ -40,74 +41,84 @@ class Marker:
     """(k, 4) of the points, or (0, 4)."""
 
 
-def markers(message: bytes) -> list[Marker]:
-    """Return the markers of a serialised MarkerArray; ValueError if it is none."""
+def read_markers(message: bytes) -> list[Marker]:
+    """Return the markers of a serialised MarkerArray; LinkedPlaneError for other bytes."""
     try:
-        reader = Reader(message)
-        return [reader.marker() for _ in range(reader.count())]
+        reader = CdrReader(message)
+        return [reader.read_marker() for _ in range(reader.read_count())]
     except (struct.error, IndexError, ValueError) as error:
-        raise ValueError(f'not a serialised MarkerArray: {error}') from None
+        raise LinkedPlaneError(f'not a serialised MarkerArray: {error}') from None
 
 
-class Reader:
-    """Reads plain CDR (XCDR version 1) from its beginning to its end."""
+class CdrReader:
+    """Reads plain CDR (XCDR version 1) from beginning to end."""
 
     def __init__(self, message: bytes) -> None:
         """Take the byte order from the encapsulation header."""
         order = '<' if message[1] & 1 else '>'
         self._body = message[ENCAPSULATION:]  # alignment counts from here
-        self._at = 0
+        self._offset = 0
         self._count = struct.Struct(order + 'I')
         self._head = struct.Struct(order + '3i')
         self._look = struct.Struct(order + '10d4f')
         self._reals, self._singles = order + 'f8', order + 'f4'
 
-    def count(self) -> int:
-        """Return the length of what follows."""
-        at = self._at + 3 & ~3
-        self._at = at + 4
-        return int(self._count.unpack_from(self._body, at)[0])
+    def read_count(self) -> int:
+        """Return the length of the string or sequence that follows."""
+        start = self._offset + 3 & ~3
+        self._offset = start + 4
+        return int(self._count.unpack_from(self._body, start)[0])
 
-    def skip(self) -> None:
-        """Pass over a string, or a sequence of bytes."""
-        size = self.count()
-        self._at += size
+    def skip_bytes(self) -> None:
+        """Skip a string, or a sequence of bytes."""
+        size = self.read_count()
+        self._offset += size
 
-    def text(self) -> str:
+    def read_text(self) -> str:
         """Return a string."""
-        size = self.count()
-        start, self._at = self._at, self._at + size
-        return self._body[start : self._at - 1].decode()
+        size = self.read_count()
+        start, self._offset = self._offset, self._offset + size
+        return self._body[start : self._offset - 1].decode()
 
-    def rows(self, kind: str, size: int, width: int) -> Floats:
-        """Return a sequence of rows of `width` numbers of so many bytes each."""
-        count = self.count()
+    def read_rows(self, kind: str, size: int, width: int) -> Floats:
+        """Return a sequence of rows (k, width) of numbers of `size` bytes each."""
+        count = self.read_count()
         if not count:
             return np.empty((0, width))
-        start = -(-self._at // size) * size
-        self._at = start + count * width * size
-        found = np.frombuffer(self._body, kind, count * width, start)
-        return found.reshape(count, width).astype(np.float64)
+        start = -(-self._offset // size) * size
+        self._offset = start + count * width * size
+        numbers = np.frombuffer(self._body, kind, count * width, start)
+        return numbers.reshape(count, width).astype(np.float64)
 
-    def marker(self) -> Marker:
+    def read_marker(self) -> Marker:
         """Return a marker."""
-        self._at = (self._at + 3 & ~3) + 8  # the stamp
-        self.skip()  # the frame
-        namespace = self.text()
-        start = self._at + 3 & ~3
+        self._offset = (self._offset + 3 & ~3) + 8  # the stamp
+        self.skip_bytes()  # the frame
+        namespace = self.read_text()
+        start = self._offset + 3 & ~3
         number, kind, action = self._head.unpack_from(self._body, start)
         start = start + 12 + 7 & ~7
         look = np.array(self._look.unpack_from(self._body, start))
-        self._at = start + 96 + 9  # a lifetime, and whether the frame is locked
-        points = self.rows(self._reals, 8, 3)
-        colours = self.rows(self._singles, 4, 4)
-        self.skip()  # a texture
-        self._at = (self._at + 3 & ~3) + 8
+        self._offset = start + 96 + 9  # a lifetime, and whether the frame is locked
+        points = self.read_rows(self._reals, 8, 3)
+        colours = self.read_rows(self._singles, 4, 4)
+        self.skip_bytes()  # a texture
+        self._offset = (self._offset + 3 & ~3) + 8
         for _ in range(3):
-            self.skip()
-        self.rows(self._singles, 4, 2)
+            self.skip_bytes()
+        self.read_rows(self._singles, 4, 2)
         for _ in range(4):  # a text, a mesh
-            self.skip()
-        self._at += 1
-        place, turn, scale, colour = look[:3], look[3:7], look[7:10], look[10:]
-        return Marker(namespace, number, kind, action, place, turn, scale, colour, points, colours)
+            self.skip_bytes()
+        self._offset += 1
+        return Marker(
+            namespace,
+            number,
+            kind,
+            action,
+            look[:3],
+            look[3:7],
+            look[7:10],
+            look[10:],
+            points,
+            colours,
+        )
