@@ -27,13 +27,13 @@ from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver  #
 from linkedplane_ros.drawing.colours import HEAD_COLOURS  # noqa: E402
 from linkedplane_ros.node.markers import MuscleMarkers  # noqa: E402
 
-POSES = {
-    'arm at the side': (0, 0, 0),
-    'flexion 80°': (80, 0, 0),
-    'abduction 90°': (0, 90, 0),
-    'abduction 45°, rotation 45° internal': (0, 45, 45),
+POSES = {  # angles, deg; where the joint and the title stand across the picture, of 1
+    'abduction 90°': ((0, 90, 0), 0.27, 0.24),
+    'arm at the side': ((0, 0, 0), 0.4, 0.4),
+    'abduction 45°, internal rotation 45°': ((0, 45, 45), 0.6, 0.59),
+    'flexion 80°': ((80, 0, 0), 0.73, 0.8),
 }
-LIMITS = ((-0.11, 0.18), (-0.11, 0.18), (-0.19, 0.08))  # m, about the glenohumeral centre
+REACH = 0.19  # m, what is seen to each side of the glenohumeral centre
 NAMESPACES = ('bones', 'attachments', 'bands')  # the obstacle spheres would hide the muscle
 
 
@@ -74,15 +74,12 @@ def draw(axes: Any, marker: Marker) -> None:
     colour = (marker.color.r, marker.color.g, marker.color.b, marker.color.a)
     points = np.array([(p.x, p.y, p.z) for p in marker.points]).reshape(-1, 3).T
     if marker.type == Marker.LINE_STRIP:
-        # piece by piece, so that each is hidden or hides by its own depth
-        for start, end in zip(points.T[:-1], points.T[1:], strict=True):
-            for piece in np.linspace(start, end, 9)[np.arange(8)[:, None] + (0, 1)]:
-                axes.plot(*piece.T, color=colour, linewidth=700 * marker.scale.x)
+        axes.plot(*points, color=colour, linewidth=900 * marker.scale.x, zorder=10)  # over bones
     elif marker.type == Marker.SPHERE_LIST:
         colours = [(c.r, c.g, c.b, c.a) for c in marker.colors]
         axes.scatter(*points, c=colours, s=14, depthshade=False)
     else:
-        axes.plot_surface(*surface(marker), color=colour, linewidth=0)
+        axes.plot_surface(*surface(marker), color=colour[:3], alpha=0.35, linewidth=0)
 
 
 def main(path: Path) -> None:
@@ -90,25 +87,25 @@ def main(path: Path) -> None:
     solver = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
     markers = MuscleMarkers(solver.muscle, 'scapula', 32)
     convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
-    figure = plt.figure(figsize=(15, 4.6))
-    for place, (title, degrees) in enumerate(POSES.items(), 1):
-        axes: Any = figure.add_subplot(1, 4, place, projection='3d')
+    figure = plt.figure(figsize=(14, 4.9))
+    for title, (degrees, place, below) in POSES.items():
+        axes: Any = figure.add_axes((place - 0.5, -0.37, 1.0, 2.1), projection='3d')
         state = solver.solve(convention.rotation(np.radians(degrees)))
         for marker in markers.update(state, Time()).markers:
             if marker.ns in NAMESPACES:
                 draw(axes, marker)
-        axes.set(xlim=LIMITS[0], ylim=LIMITS[1], zlim=LIMITS[2])
-        axes.set_box_aspect([high - low for low, high in LIMITS], zoom=1.6)
-        axes.view_init(elev=14, azim=38)
+        axes.set(xlim=(-REACH, REACH), ylim=(-REACH, REACH), zlim=(-REACH, REACH))
+        axes.set_box_aspect((1.0, 1.0, 1.0), zoom=0.82)
+        axes.view_init(elev=16, azim=30)
         axes.set_proj_type('persp', focal_length=0.6)
         axes.set_axis_off()
-        axes.set_title(title, y=-0.02, fontsize=13)
+        axes.patch.set_visible(False)
+        figure.text(below, 0.02, title, ha='center', va='bottom', fontsize=13)
     heads = [
         Line2D([], [], color=HEAD_COLOURS[i], linewidth=3, label=f'{head.name} head')
         for i, head in enumerate(solver.muscle.heads)
     ]
     figure.legend(handles=heads, loc='upper left', frameon=False)
-    figure.subplots_adjust(0, 0.06, 1, 1, 0, 0)
     figure.savefig(path, dpi=100)
 
 
