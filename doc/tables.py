@@ -29,7 +29,8 @@ ELBOW, FOREARM = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table in Markdown."""
     lines = [heads, ['---'] * len(heads), *rows]
-    return '\n'.join(f'| {" | ".join(line)} |'.replace('|  |', '| |') for line in lines)
+    cells = (''.join(f'| {cell} ' if cell else '| ' for cell in line) for line in lines)
+    return '\n'.join(f'{line}|' for line in cells)
 
 
 def joint_conventions() -> str:
@@ -67,6 +68,11 @@ def three_angles() -> str:
         for R in [convention.rotation(np.radians([30.0, 60.0, 20.0]))]
     ]
     return table(('convention', 'elbow', 'forearm'), rows)
+
+
+def node_parameters() -> str:
+    """Return the parameters of the node."""
+    return table(('name', 'default', 'meaning'), parameters.parameter_rows())
 
 
 TOPIC = ('topic', 'type', 'quality of service', 'content')
@@ -147,7 +153,7 @@ TABLES: dict[str, Callable[[], str]] = {
     'commands': commands,
     'conventions': joint_conventions,
     'model keys': model_keys,
-    'parameters': parameters.markdown,
+    'parameters': node_parameters,
     'published': published,
     'single angles': single_angles,
     'subscribed': subscribed,
