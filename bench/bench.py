@@ -23,6 +23,7 @@ import numpy as np
 import recordings
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.drawing.markdown import markdown_table
 from linkedplane_ros.linked_planes.compiled import COMPILED
 from linkedplane_ros.rivals.cost import best
 from linkedplane_ros.solver import linked_plane_solver as solver
@@ -251,8 +252,7 @@ def table(figures: dict[str, Any]) -> str:
         for case, each in figures['recordings'].items()
     ]
     rows += latency_rows(figures['latency']) + viewer_rows(figures['viewer'])
-    lines = [f'| {figures["machine"]} | | |', '| --- | ---: | --- |']
-    return '\n'.join([*lines, *(f'| {a} | {b} | {c} |' for a, b, c in rows)])
+    return markdown_table((figures['machine'], '', ''), rows, 'lrl')
 
 
 def latency_rows(found: dict[str, dict[str, dict[str, float]]]) -> list[tuple[str, str, str]]:

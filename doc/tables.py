@@ -10,13 +10,14 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 
 from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import build_parser
+from linkedplane_ros.drawing.markdown import markdown_table
 from linkedplane_ros.muscle import keys
 from linkedplane_ros.node import parameters, topics
 from linkedplane_ros.types import Floats
@@ -26,16 +27,9 @@ PAGES = (TOP / 'README.md', *sorted((TOP / 'doc').rglob('*.md')))
 ELBOW, FOREARM = np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [heads, ['---'] * len(heads), *rows]
-    cells = (''.join(f'| {cell} ' if cell else '| ' for cell in line) for line in lines)
-    return '\n'.join(f'{line}|' for line in cells)
-
-
 def joint_conventions() -> str:
     """Return what each joint convention is, and what its streams usually measure against."""
-    return table(
+    return markdown_table(
         ('convention', 'coordinates', 'rotation', 'usually against'),
         (
             (f'`{name}`', ', '.join(each.coordinates), each.formula, each.relative_to)
@@ -57,7 +51,7 @@ def single_angles() -> str:
         for j, coordinate in enumerate(convention.coordinates)
         for R in [convention.rotation(np.radians(30.0) * np.eye(3)[j])]
     ]
-    return table(('convention', '+30 deg of', 'elbow', 'forearm'), rows)
+    return markdown_table(('convention', '+30 deg of', 'elbow', 'forearm'), rows)
 
 
 def three_angles() -> str:
@@ -67,12 +61,7 @@ def three_angles() -> str:
         for name, convention in JOINT_CONVENTIONS.items()
         for R in [convention.rotation(np.radians([30.0, 60.0, 20.0]))]
     ]
-    return table(('convention', 'elbow', 'forearm'), rows)
-
-
-def node_parameters() -> str:
-    """Return the parameters of the node."""
-    return table(('name', 'default', 'meaning'), parameters.parameter_rows())
+    return markdown_table(('convention', 'elbow', 'forearm'), rows)
 
 
 TOPIC = ('topic', 'type', 'quality of service', 'content')
@@ -80,20 +69,27 @@ TOPIC = ('topic', 'type', 'quality of service', 'content')
 
 def subscribed() -> str:
     """Return what the node subscribes."""
-    return table(TOPIC, topics.topic_rows((topics.JOINT_STATES, topics.CLOCK)))
+    return markdown_table(TOPIC, topics.topic_rows((topics.JOINT_STATES, topics.CLOCK)))
 
 
 def published() -> str:
     """Return what the node publishes."""
     rows = topics.topic_rows(topics.OUTPUTS, 'deltoid/')
-    return table(TOPIC, [*rows, *topics.topic_rows((topics.DIAGNOSTICS,))])
+    return markdown_table(TOPIC, [*rows, *topics.topic_rows((topics.DIAGNOSTICS,))])
 
 
 def contents() -> str:
     """Return the topics for the README: what is on each."""
     rows = topics.topic_rows((topics.JOINT_STATES,))
     rows += topics.topic_rows(topics.OUTPUTS, 'deltoid/')
-    return table(('topic', 'type', 'content'), ((name, kind, what) for name, kind, _, what in rows))
+    return markdown_table(
+        ('topic', 'type', 'content'), ((name, kind, what) for name, kind, _, what in rows)
+    )
+
+
+def node_parameters() -> str:
+    """Return the parameters of the node."""
+    return markdown_table(('name', 'default', 'meaning'), parameters.parameter_rows())
 
 
 def model_keys() -> str:
@@ -107,7 +103,7 @@ def model_keys() -> str:
         where = ', '.join(each for each in (key.unit and f'`{key.unit}`', key.frame) if each)
         name = f'**`{key.path}`**' if key.required else f'`{key.path}`'
         rows.append((name, kind, where, key.meaning))
-    return table(('key', 'type', 'unit, frame', 'meaning'), rows)
+    return markdown_table(('key', 'type', 'unit, frame', 'meaning'), rows)
 
 
 def named(action: argparse.Action, formatter: argparse.HelpFormatter) -> str:
@@ -130,13 +126,13 @@ def command(name: str, parser: argparse.ArgumentParser) -> Iterator[str]:
     yield f'```text\nlinkedplane {" ".join((name, *usage))} [options]\n```'
     for group in parser._action_groups:
         rows = [
-            (named(each, formatter).replace('|', '\\|'), formatter._expand_help(each))
+            (named(each, formatter), formatter._expand_help(each))
             for each in group._group_actions
             if each in arguments
         ]
         if rows:
             title = {'positional arguments': 'argument', 'options': 'option'}
-            yield table((title.get(group.title or '', group.title or ''), 'meaning'), rows)
+            yield markdown_table((title.get(group.title or '', group.title or ''), 'meaning'), rows)
 
 
 def commands() -> str:

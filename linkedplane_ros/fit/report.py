@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..drawing.markdown import markdown_table
 from ..muscle.broad_muscle import BroadMuscle
+from ..muscle.definition import COORDINATES
 from ..types import Floats
 from .criterion import MM, Criterion, States
 from .data import Data
@@ -125,12 +127,11 @@ def _residuals(outcome: Outcome) -> Iterator[str]:
     for kind in before:
         if not before[kind]:
             continue
-        yield f'| {kind}, mm | rows | mean before | mean after | rms after | worst after |'
-        yield '| --- | ---: | ---: | ---: | ---: | ---: |'
         keys = dict.fromkeys((part, motion) for part, motion, _, _ in before[kind])
-        for part, motion in keys:
-            yield _residual_row(f'{part}, {motion}', (part, motion), before[kind], after[kind])
-        yield _residual_row('**all**', None, before[kind], after[kind])
+        rows = [_residual_row(', '.join(key), key, before[kind], after[kind]) for key in keys]
+        rows.append(_residual_row('**all**', None, before[kind], after[kind]))
+        columns = f'{kind}, mm', 'rows', 'mean before', 'mean after', 'rms after', 'worst after'
+        yield markdown_table(columns, rows, 'lrrrrr')
         yield ''
 
 
@@ -139,7 +140,7 @@ def _residual_row(
     key: tuple[str, str] | None,
     before: Sequence[tuple[str, str, float, float]],
     after: Sequence[tuple[str, str, float, float]],
-) -> str:
+) -> tuple[str, ...]:
     mine = [
         [(angle, off) for part, motion, angle, off in rows if key in (None, (part, motion))]
         for rows in (before, after)
@@ -147,46 +148,28 @@ def _residual_row(
     old, new = (np.array([off for _, off in rows]) for rows in mine)
     angle, worst = max(mine[1], key=lambda row: abs(row[1]))
     return (
-        f'| {name} | {len(new)} | {np.abs(old).mean():.2f} | {np.abs(new).mean():.2f} '
-        f'| {math.sqrt(np.mean(new**2)):.2f} | {worst:+.2f} at {math.degrees(angle):.0f} deg |'
+        name,
+        str(len(new)),
+        f'{np.abs(old).mean():.2f}',
+        f'{np.abs(new).mean():.2f}',
+        f'{math.sqrt(np.mean(new**2)):.2f}',
+        f'{worst:+.2f} at {math.degrees(angle):.0f} deg',
     )
 
 
 def _interference(outcome: Outcome) -> Iterator[str]:
-    muscle, measured = outcome.after, outcome.criterion.measured
-    yield '| | before | after |'
-    yield '| --- | ---: | ---: |'
-    depths = [outcome.states(x).depths[:measured] for x in (outcome.start, outcome.found)]
-    yield _row('poses with measurements', [str(measured)] * 2)
-    if len(muscle.interference_names):
-        yield _row('... bands and poses that enter a sphere', [_entered(each) for each in depths])
-    over = outcome.over
-    yield _row('poses over the range of motion', [str(len(each.angles)) for each in over])
-    if len(muscle.interference_names):
-        entries = [_entered(each.depths) for each in over]
-        yield _row('... bands and poses that enter a sphere', entries)
-    if len(muscle.band_names) > 1:
-        behind = [f'{each.disordered}, least gap {MM * each.gaps.min():.1f} mm' for each in over]
-        yield _row('... bands not behind the one before', behind)
-        parted = [
-            f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max():.1f} mm'
-            for each in over
-        ]
-        yield _row('... bands farther from the one before than at their origins', parted)
-    yield _row('... bands without a path', [str(each.inside) for each in over])
-    yield _row('... largest jump of a length, mm', [f'{MM * each.jump:.2f}' for each in over])
+    muscle, (_, after) = outcome.after, outcome.over
+    yield markdown_table(('', 'before', 'after'), _interference_rows(outcome), 'lrr')
     yield ''
     ranges = ', '.join(
         f'{name} {math.degrees(low):.0f} to {math.degrees(high):.0f}'
-        for name, (low, high) in zip(
-            ('flexion', 'abduction', 'rotation'), over[1].ranges, strict=True
-        )
+        for name, (low, high) in zip(COORDINATES, after.ranges, strict=True)
     )
     yield (
         f'The range of motion, {ranges} deg, is looked at on a grid of 10 deg and at random poses; '
         'jumps along the three coordinates and straight ways between random poses, every 0.25 deg.'
     )
-    deepest = over[1].depths.max(axis=0, initial=-math.inf)
+    deepest = after.depths.max(axis=0, initial=-math.inf)
     bad = [
         f'{band} {MM * depth:.1f} mm'
         for band, depth in zip(muscle.band_names, deepest.tolist(), strict=True)
@@ -195,6 +178,30 @@ def _interference(outcome: Outcome) -> Iterator[str]:
     if bad:
         yield ''
         yield f'Deepest entry by band: {", ".join(bad)}.'
+
+
+def _interference_rows(outcome: Outcome) -> Iterator[tuple[str, ...]]:
+    """Yield what is counted, before and after."""
+    muscle, over, measured = outcome.after, outcome.over, outcome.criterion.measured
+    spheres = len(muscle.interference_names)
+    yield 'poses with measurements', str(measured), str(measured)
+    if spheres:
+        depths = (outcome.states(x).depths[:measured] for x in (outcome.start, outcome.found))
+        yield '... bands and poses that enter a sphere', *map(_entered, depths)
+    yield 'poses over the range of motion', *(str(len(each.angles)) for each in over)
+    if spheres:
+        entries = (_entered(each.depths) for each in over)
+        yield '... bands and poses that enter a sphere', *entries
+    if len(muscle.band_names) > 1:
+        behind = (f'{each.disordered}, least gap {MM * each.gaps.min():.1f} mm' for each in over)
+        yield '... bands not behind the one before', *behind
+        parted = (
+            f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max():.1f} mm'
+            for each in over
+        )
+        yield '... bands farther from the one before than at their origins', *parted
+    yield '... bands without a path', *(str(each.inside) for each in over)
+    yield '... largest jump of a length, mm', *(f'{MM * each.jump:.2f}' for each in over)
 
 
 def mean(rows: Sequence[tuple[str, str, float, float]]) -> float:
@@ -206,23 +213,20 @@ def _trade_off(outcome: Outcome) -> Iterator[str]:
     yield 'The best model while bands were let so deep into the spheres, over the range of motion:'
     yield ''
     kinds = [kind for kind, rows in outcome.deviations(outcome.found).items() if rows]
-    means = ' | '.join(f'mean {kind}, mm' for kind in kinds)
-    yield f'| let in, mm | {means} | bands and poses that enter | deepest, mm |'
-    yield '| ---: |' + ' ---: |' * (len(kinds) + 2)
+    rows = []
     for stage in outcome.stages:
         off = outcome.deviations(stage.found)
-        cells = [f'{MM * stage.allowed:g}', *(f'{mean(off[kind]):.2f}' for kind in kinds)]
-        yield _row(cells[0], [*cells[1:], _entered(stage.over.depths).split(',')[0],
-                              f'{MM * stage.over.depths.max():.1f}'])  # fmt: skip
+        means = (f'{mean(off[kind]):.2f}' for kind in kinds)
+        entered, deepest = _entered(stage.over.depths).split(',')[0], stage.over.depths.max()
+        rows.append((f'{MM * stage.allowed:g}', *means, entered, f'{MM * deepest:.1f}'))
+    means = (f'mean {kind}, mm' for kind in kinds)
+    columns = ('let in, mm', *means, 'bands and poses that enter', 'deepest, mm')
+    yield markdown_table(columns, rows, 'r' * len(columns))
 
 
 def _entered(depths: Floats) -> str:
     count = int((depths >= 0.0).sum())
     return f'{count} of {depths.size}' + (f', up to {MM * depths.max():.1f} mm' if count else '')
-
-
-def _row(name: str, cells: Sequence[str]) -> str:
-    return f'| {name} | {" | ".join(cells)} |'
 
 
 def _parameters(outcome: Outcome) -> Iterator[str]:
@@ -234,11 +238,17 @@ def _parameters(outcome: Outcome) -> Iterator[str]:
         + ' A value at s is that of a curve of which all coefficients were free.'
     )
     yield ''
-    yield '| parameter | start | found | from | to |'
-    yield '| --- | ---: | ---: | ---: | ---: |'
-    for parameter, value in zip(space.parameters, outcome.found.tolist(), strict=True):
-        cells = f'{parameter.start:.4f}', f'{value:.4f}', f'{parameter.low:.4g}'
-        yield _row(f'{parameter.name}, {parameter.unit}', [*cells, f'{parameter.high:.4g}'])
+    rows = [
+        (
+            f'{parameter.name}, {parameter.unit}',
+            f'{parameter.start:.4f}',
+            f'{value:.4f}',
+            f'{parameter.low:.4g}',
+            f'{parameter.high:.4g}',
+        )
+        for parameter, value in zip(space.parameters, outcome.found.tolist(), strict=True)
+    ]
+    yield markdown_table(('parameter', 'start', 'found', 'from', 'to'), rows, 'lrrrr')
 
 
 def at_bounds(criterion: Criterion, x: Floats) -> list[str]:

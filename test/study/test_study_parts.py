@@ -23,7 +23,7 @@ def test_a_table_shows_units_and_hides_no_digits_from_machines() -> None:
         '| band | length (mm) | at (deg) |',
         '| --- | ---: | ---: |',
         '| a\\|b | 1.2 | 30 |',
-        '| c |  | 0 |',
+        '| c | | 0 |',
     ]
     assert heading('mean_size_mm') == 'mean size (mm)'
 

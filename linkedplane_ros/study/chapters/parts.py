@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...drawing.markdown import markdown_table
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -47,18 +49,17 @@ class Table:
             all(isinstance(row[k], (int, float, type(None))) for row in self.rows)
             for k in range(len(self.columns))
         ]
-        lines = [
-            [self._shown(heading(name)) for name in self.columns],
-            ['---:' if each else '---' for each in numbers],
-            *([self._shown(cell) for cell in row] for row in self.rows),
-        ]
-        return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
+        return markdown_table(
+            [heading(name) for name in self.columns],
+            [[self._shown(cell) for cell in row] for row in self.rows],
+            ''.join('r' if each else 'l' for each in numbers),
+        )
 
     def _shown(self, cell: Cell) -> str:
         if isinstance(cell, float):
             text = f'{cell:.{self.digits}f}'
             return text.lstrip('-') if float(text) == 0.0 else text
-        return '' if cell is None else str(cell).replace('|', '\\|')
+        return '' if cell is None else str(cell)
 
 
 @dataclass(frozen=True)
