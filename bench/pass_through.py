@@ -25,7 +25,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor  #
 from rclpy.node import Node  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 
-from linkedplane_ros.drawing.shapes import Pace  # noqa: E402
+from linkedplane_ros.drawing.shapes import RateLimiter  # noqa: E402
 from linkedplane_ros.node import qos  # noqa: E402
 from linkedplane_ros.node.markers import MuscleMarkers  # noqa: E402
 from linkedplane_ros.node.messages import Answers, message_class  # noqa: E402
@@ -41,7 +41,7 @@ class PassThrough(Node):
         muscle = BroadMuscle.load('deltoid')
         self.state = LinkedPlaneSolver(muscle).solve(np.eye(3))
         self.markers = MuscleMarkers(muscle, 'scapula', 16)
-        self.pace = Pace(30.0)
+        self.pace = RateLimiter(30.0)
         self.answers = Answers(muscle.band_names, ('x', 'y', 'z'), 'scapula')
         self.outputs = {
             topic.name: self.create_publisher(
@@ -67,7 +67,7 @@ class PassThrough(Node):
             stamp, state, state.moment_vectors, state.lengths
         ).items():
             outputs[name].publish(answer)
-        if outputs['markers'].get_subscription_count() and self.pace.due(
+        if outputs['markers'].get_subscription_count() and self.pace.allows(
             stamp.sec + 1e-9 * stamp.nanosec, perf_counter()
         ):
             outputs['markers'].publish(self.markers.update(state, stamp))

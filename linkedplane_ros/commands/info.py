@@ -34,7 +34,7 @@ def run(args: argparse.Namespace) -> None:
         return
     muscle = BroadMuscle.load(args.muscle).scaled(args.scale)
     if args.png is not None:
-        from ..drawing.picture import save
+        from ..drawing.picture import save_picture
 
-        save(muscle, Path(args.png))
+        save_picture(muscle, Path(args.png))
     print(*report(muscle), sep='\n')

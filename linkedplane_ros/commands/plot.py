@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Draw a processed recording: lengths, moment arms and wrap states."""
-    from ..drawing.plot import save
+    from ..drawing.plot import save_figures
     from ..processing.inputs import plain_name
     from ..processing.reading import read
 
@@ -29,5 +29,5 @@ def run(args: argparse.Namespace) -> None:
     out = Path(args.out) if args.out else source.with_name(plain_name(source))
     processed = read(source)
     for kind in args.kinds or ['png']:
-        for path in save(processed, out, kind):
+        for path in save_figures(processed, out, kind):
             print(path)

@@ -1,7 +1,4 @@
-"""A picture of a muscle model: attachments, spheres and bands, hanging and raised, from two sides.
-
-matplotlib is loaded when a picture is made; no window is opened and no global setting changed.
-"""
+"""A picture of a muscle model: attachments, spheres and bands at three poses, from two sides."""
 
 from __future__ import annotations
 
@@ -18,13 +15,13 @@ from ..solver.check import DEFAULT_RANGE, told
 from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState, WrapState
 from ..types import Floats
 from .colours import head_colours, sphere_colours
-from .plot import library, write
+from .figure_files import import_matplotlib, write_figure
+from .units import MILLIMETRES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-MILLIMETRES = 1e3  # in a metre
 VIEWS = {'from the right front': (14.0, 38.0), 'from the right back': (14.0, -52.0)}
 """Elevation and azimuth of the eye, deg; x lateral, y anterior, z superior."""
 MARGIN = 5.0  # mm
@@ -32,35 +29,50 @@ GREY = '0.45'
 RAISED = (math.radians(80.0), math.radians(90.0))  # flexion, abduction, if the model goes so far
 
 
-def poses(muscle: BroadMuscle) -> Floats:
-    """Return three poses of the range of motion, rad (3, 3): hanging, flexed and abducted."""
+def pictured_poses(muscle: BroadMuscle) -> Floats:
+    """Return three poses (3, 3), rad, of the range of motion: hanging, flexed and abducted."""
     low, high = np.array(muscle.range_of_motion or DEFAULT_RANGE).T
     wanted = ((0.0, 0.0, 0.0), (RAISED[0], 0.0, 0.0), (0.0, RAISED[1], 0.0))
     return np.clip(wanted, low, high)
 
 
-def save(muscle: BroadMuscle, file: Path) -> None:
-    """Write the picture, .png or .svg. ModelError, RecordingError if it cannot be written."""
+def save_picture(muscle: BroadMuscle, file: Path) -> None:
+    """Write the picture of a model.
+
+    Parameters
+    ----------
+    muscle
+        What is drawn.
+    file
+        Where: a .png or .svg.
+
+    Raises
+    ------
+    ModelError
+        For another ending.
+    RecordingError
+        If the file cannot be written, or matplotlib is not there.
+    """
     kind = file.suffix.lower().removeprefix('.')
     if kind not in ('png', 'svg'):
         raise ModelError(f'{file}: a picture ends in .png or .svg')
-    write(picture(muscle), file, kind)
+    write_figure(model_figure(muscle), file, kind)
 
 
-def picture(muscle: BroadMuscle) -> Figure:
-    """Return the picture: a column for each pose, a row for each side it is seen from; mm."""
-    library()
+def model_figure(muscle: BroadMuscle) -> Figure:
+    """Return the picture of a model: a column for each pose, a row for each view; mm."""
+    import_matplotlib()
     from matplotlib.figure import Figure
 
     solver = LinkedPlaneSolver(muscle)
     convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
-    states = [(each, solver.solve(convention.rotation(each))) for each in poses(muscle)]
-    corners = extent(muscle, [state for _, state in states])
+    states = [(each, solver.solve(convention.rotation(each))) for each in pictured_poses(muscle)]
+    corners = bounding_corners(muscle, [state for _, state in states])
     figure = Figure(figsize=(11.0, 7.4))
     for row, (side, (elevation, azimuth)) in enumerate(VIEWS.items()):
         for column, (angles, state) in enumerate(states):
             axes: Any = figure.add_subplot(2, 3, 3 * row + column + 1, projection='3d')
-            draw(axes, state)
+            draw_state(axes, state)
             axes.set(xlim=corners[:, 0], ylim=corners[:, 1], zlim=corners[:, 2])
             axes.set_box_aspect(corners[1] - corners[0], zoom=1.06)
             axes.view_init(elev=elevation, azim=azimuth)
@@ -70,12 +82,12 @@ def picture(muscle: BroadMuscle) -> Figure:
                 getattr(axes, f'set_{name}label')(f'{name}, {label} (mm)', size=5, labelpad=-9)
             title = f'{told(angles)}\n{side}' if row == 0 else side
             axes.set_title(title, size=8, y=0.96)
-    caption(figure, muscle)
+    add_caption(figure, muscle)
     figure.subplots_adjust(0.02, 0.05, 0.97, 0.93, 0.04, 0.04)
     return figure
 
 
-def extent(muscle: BroadMuscle, states: list[MuscleState]) -> Floats:
+def bounding_corners(muscle: BroadMuscle, states: list[MuscleState]) -> Floats:
     """Return two corners (2, 3), mm, that hold the muscle and its spheres at all poses."""
     points = [np.zeros((1, 3)), muscle.origins]
     for state in states:
@@ -89,15 +101,15 @@ def extent(muscle: BroadMuscle, states: list[MuscleState]) -> Floats:
     return np.array((every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN))
 
 
-def draw(axes: Any, state: MuscleState) -> None:
+def draw_state(axes: Any, state: MuscleState) -> None:
     """Draw a state, in mm: bands and their ends, obstacle and interference spheres, the humerus."""
     muscle, solver = state.solver.muscle, state.solver
     colours = head_colours(muscle)
     for first, colour in sphere_colours(muscle).items():
         centre, radius = state.sphere_centres[first], muscle.sphere_radii[first]
-        axes.plot_surface(*ball(centre, radius), color=colour, alpha=0.10, linewidth=0)
+        axes.plot_surface(*sphere_grid(centre, radius), color=colour, alpha=0.10, linewidth=0)
     for centre, radius in zip(muscle.interference_centres, muscle.interference_radii, strict=True):
-        axes.plot_wireframe(*ball(centre, radius)[:, ::2, ::2], color=GREY, linewidth=0.25)
+        axes.plot_wireframe(*sphere_grid(centre, radius)[:, ::2, ::2], color=GREY, linewidth=0.25)
     for path, colour, wrap in zip(state.paths(24), colours, state.wrap.tolist(), strict=True):
         dashed = wrap == WrapState.INSIDE  # no path: an end lies in the sphere
         axes.plot(*MILLIMETRES * path.T, color=colour, linestyle=':' if dashed else '-')
@@ -107,8 +119,8 @@ def draw(axes: Any, state: MuscleState) -> None:
     axes.plot(*MILLIMETRES * shaft.T, color='0.7', linewidth=3.0, zorder=0)
 
 
-def ball(centre: Floats, radius: float) -> Floats:
-    """Return the grid (3, 11, 19) of a sphere's surface, mm."""
+def sphere_grid(centre: Floats, radius: float) -> Floats:
+    """Return the grid (3, 11, 19), mm, of a sphere's surface; centre and radius in m."""
     down, around = np.meshgrid(
         np.linspace(0.0, np.pi, 11), np.linspace(0.0, 2.0 * np.pi, 19), indexing='ij'
     )
@@ -116,8 +128,8 @@ def ball(centre: Floats, radius: float) -> Floats:
     return np.asarray(MILLIMETRES * (centre[:, np.newaxis, np.newaxis] + radius * unit))
 
 
-def caption(figure: Figure, muscle: BroadMuscle) -> None:
-    """Name the muscle, its heads and what the lines are."""
+def add_caption(figure: Figure, muscle: BroadMuscle) -> None:
+    """Write the muscle's name, and a legend of its heads and lines."""
     from matplotlib.lines import Line2D
 
     colours = dict(zip(muscle.band_names, head_colours(muscle), strict=True))

@@ -1,4 +1,4 @@
-"""The bands' planes as patches to look at: rectangles from the line to the side of the bulge."""
+"""The bands' planes as patches to look at: rectangles from the straight line to the bulge."""
 
 from __future__ import annotations
 
@@ -11,11 +11,23 @@ from ..solver.linked_plane_solver import MuscleState
 from ..types import Floats
 
 
-def patches(state: MuscleState, width: float) -> Floats:
-    """Return the corners (n, 4, 3) of a patch of each band's plane, m, scapula frame.
+def plane_patches(state: MuscleState, width: float) -> Floats:
+    """Return the corners of a patch of each band's plane.
 
-    In turn origin P and insertion S; then, so much farther towards e, S and P. The chain of the
-    planes is that of thesis ch. 4, App. B: each turned by phi from the normal of the one before.
+    The chain of the planes is that of thesis ch. 4, App. B: each is turned by phi from the normal
+    of the one before.
+
+    Parameters
+    ----------
+    state
+        The muscle at a pose.
+    width
+        m, from the line between origin and insertion towards the bulge.
+
+    Returns
+    -------
+    corners
+        (n, 4, 3) m, scapula frame: origin P and insertion S; then S and P, moved by `width`.
     """
     muscle = state.solver.muscle
     angles = [state.theta, *muscle.plane_angles[1:].tolist()]

@@ -1,4 +1,4 @@
-"""What is drawn of a muscle, and where at each state: the markers, before they are messages.
+"""The markers of a muscle, and where they are at each state, before they are messages.
 
 Namespaces: `bands` (a line strip each, id = band), `attachments` (origins 0, insertions 1),
 `obstacle_spheres` (id = the first of the bands that share it), `bones` (humeral head 0, shaft 1,
@@ -18,42 +18,47 @@ import numpy as np
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.interference import depths
 from ..solver.linked_plane_solver import MuscleState, WrapState
-from ..types import Colour, Floats
+from ..types import Colour, Floats, Point
 from .bones import BONE, HEAD_RADIUS, SHAFT_END, SHAFT_RADIUS, SHAFT_START, shaft_axis
 from .colours import head_colours, sphere_colours
-from .planes import patches
+from .planes import plane_patches
 
 # visualization_msgs/Marker's numbers
 SPHERE, CYLINDER, LINE_STRIP, SPHERE_LIST, TRIANGLE_LIST = 2, 3, 4, 7, 11
 ADD, DELETE = 0, 2
 
-MARKER_RATE = 30.0  # Hz, unless somebody wants another
+MARKER_RATE = 30.0  # Hz, by default
 POINTS_ON_ARC = 16
 
 BAND_WIDTH = 0.004  # m
-ATTACHMENT = 0.006  # m, diameter
+ATTACHMENT_DIAMETER = 0.006  # m
 RIM_WIDTH = 0.008  # m
-SHEER = 0.12  # of the obstacle spheres
+OBSTACLE_ALPHA = 0.12  # opacity of the obstacle spheres
 PLANE_WIDTH = 0.05  # m that is drawn of a band's plane
-ALARM = (0.86, 0.08, 0.24)
-MARK = 0.01  # m, diameter of the mark where a band interferes
+INTERFERENCE_COLOUR = (0.86, 0.08, 0.24)
+MARK_DIAMETER = 0.01  # m, of the mark where a band interferes
 UP = np.array((0.0, 0.0, 1.0))
 
 
-class Pace:
-    """Lets markers through so many times a second, by the stamps of the input.
+class RateLimiter:
+    """Decides which states get markers: so many a second, by the stamps of the input.
 
-    So a replay at any speed shows the same ones. A jump in time, forwards or back, passes at once;
-    where stamps stand still, the time of arrival counts instead.
+    A replay at any speed then shows the same ones. After a jump in time, forwards or back, the next
+    state is allowed at once; where stamps stand still, the time of arrival counts instead.
+
+    Parameters
+    ----------
+    rate
+        Hz; 0: all states are allowed.
     """
 
     def __init__(self, rate: float) -> None:
-        """Let through `rate` Hz; 0: all."""
+        """Begin with nothing allowed so far."""
         self._period = 1.0 / rate - 1e-6 if rate else 0.0
         self._stamp = self._arrival = -np.inf
 
-    def due(self, stamp: float, arrival: float) -> bool:
-        """Return whether what came at these times, s, is let through."""
+    def allows(self, stamp: float, arrival: float) -> bool:
+        """Return whether a state of this stamp, s, which arrived at a time, s, gets markers."""
         moved = stamp != self._stamp
         passed = abs(stamp - self._stamp) if moved else arrival - self._arrival
         if passed < self._period:
@@ -64,24 +69,26 @@ class Pace:
 
 @dataclass(frozen=True)
 class Shape:
-    """What stays of a marker."""
+    """What of a marker stays the same at all states."""
 
     namespace: str
     number: int
+    """The marker's id in its namespace."""
     kind: int
-    scale: tuple[float, float, float]
-    """m."""
+    """visualization_msgs/Marker's type."""
+    scale: Point
+    """m, along the marker's axes."""
     colour: Colour
     alpha: float = 1.0
     colours: tuple[Colour, ...] = ()
     """Of each of its points, where they differ."""
 
 
-class Place(NamedTuple):
-    """What a state makes of a marker; None: as at the beginning, upright at the frame's origin."""
+class Placement(NamedTuple):
+    """Where a marker is at a state; None: upright at the frame's origin, without points."""
 
     position: Floats | None = None
-    """(3,) m."""
+    """(3,) m, scapula frame."""
     orientation: Floats | None = None
     """(4,) quaternion x, y, z, w."""
     points: Floats | None = None
@@ -90,21 +97,36 @@ class Place(NamedTuple):
 
     @property
     def numbers(self) -> tuple[Floats | None, Floats | None, Floats | None]:
-        """Where it is."""
+        """Position, orientation and points."""
         return self.position, self.orientation, self.points
 
 
 class MuscleShapes:
-    """The markers of one muscle, before they are messages."""
+    """The markers of one muscle, before they are messages.
+
+    Parameters
+    ----------
+    muscle
+        What is drawn.
+    points
+        How many points there are on the arc of a wrapped band.
+    details
+        Whether planes, interference spheres and interferences are drawn, too.
+
+    Attributes
+    ----------
+    shapes
+        One for each marker, in a fixed order.
+    """
 
     def __init__(self, muscle: BroadMuscle, points: int, details: bool) -> None:
-        """Draw so many `points` on the arc of a wrapped band; with `details` or without."""
+        """Describe the shapes."""
         self._points, self._details = points, details
         self._spheres = sphere_colours(muscle)
         colours = head_colours(muscle)
         self._shaft_centre = shaft_axis(muscle).mean(axis=0)
         width, length = 2.0 * SHAFT_RADIUS, SHAFT_END - SHAFT_START
-        ball = (ATTACHMENT,) * 3
+        ball = (ATTACHMENT_DIAMETER,) * 3
         self.shapes: tuple[Shape, ...] = (
             Shape('bones', 0, SPHERE, (2.0 * HEAD_RADIUS,) * 3, BONE),
             Shape('bones', 1, CYLINDER, (width, width, length), BONE),
@@ -120,7 +142,7 @@ class MuscleShapes:
                     SPHERE,
                     (2.0 * float(muscle.sphere_radii[i]),) * 3,
                     colour,
-                    SHEER,
+                    OBSTACLE_ALPHA,
                 )
                 for i, colour in self._spheres.items()  # each once: together they would be opaque
             ),
@@ -130,63 +152,63 @@ class MuscleShapes:
             ),
         )
         if details:
-            self.shapes += self._detailed(muscle, colours)
+            self.shapes += self._detail_shapes(muscle, colours)
 
-    def _detailed(self, muscle: BroadMuscle, colours: Sequence[Colour]) -> tuple[Shape, ...]:
+    def _detail_shapes(self, muscle: BroadMuscle, colours: Sequence[Colour]) -> tuple[Shape, ...]:
         planes = [
             Shape('planes', i, TRIANGLE_LIST, (1.0, 1.0, 1.0), colour, 0.3)
             for i, colour in enumerate(colours)
         ]
         spheres = [
-            Shape('interference_spheres', k, SPHERE, (2.0 * radius,) * 3, ALARM, 0.2)
+            Shape('interference_spheres', k, SPHERE, (2.0 * radius,) * 3, INTERFERENCE_COLOUR, 0.2)
             for k, radius in enumerate(muscle.interference_radii.tolist())
         ]
         marks = [
-            Shape('interferences', i, SPHERE, (MARK,) * 3, ALARM)
+            Shape('interferences', i, SPHERE, (MARK_DIAMETER,) * 3, INTERFERENCE_COLOUR)
             for i in range(len(colours) if spheres else 0)
         ]
         return (*planes, *spheres, *marks)
 
-    def at(self, state: MuscleState) -> list[Place]:
-        """Return the place of each shape at a state.
+    def placements(self, state: MuscleState) -> list[Placement]:
+        """Return where each shape is at a state, in the order of `shapes`.
 
         A band with an end inside its sphere has no path: its marker is deleted. So is the mark of
-        a band that keeps off all interference spheres.
+        a band that touches no interference sphere.
         """
         origins = state.solver.origins
-        turn = upright_turned(state.moved(UP))
+        orientation = quaternion_from_z_axis(state.moved(UP))
         places = [
-            Place(),
-            Place(state.moved(self._shaft_centre), turn),
-            Place(points=origins),
-            Place(points=origins),
-            Place(points=state.insertions),
-            *(Place(state.sphere_centres[i]) for i in self._spheres),
+            Placement(),
+            Placement(state.moved(self._shaft_centre), orientation),
+            Placement(points=origins),
+            Placement(points=origins),
+            Placement(points=state.insertions),
+            *(Placement(state.sphere_centres[i]) for i in self._spheres),
             *(
-                Place(points=path, action=DELETE if wrap == WrapState.INSIDE else ADD)
+                Placement(points=path, action=DELETE if wrap == WrapState.INSIDE else ADD)
                 for path, wrap in zip(state.paths(self._points), state.wrap.tolist(), strict=True)
             ),
         ]
-        return [*places, *details_at(state)] if self._details else places
+        return [*places, *detail_placements(state)] if self._details else places
 
 
-def details_at(state: MuscleState) -> Iterator[Place]:
-    """Yield the places of the planes, the interference spheres and the marks in them."""
+def detail_placements(state: MuscleState) -> Iterator[Placement]:
+    """Yield where the planes, the interference spheres and the marks in them are."""
     solver = state.solver
-    for a, b, c, d in patches(state, PLANE_WIDTH):
-        yield Place(points=np.array((a, b, c, a, c, d)))
+    for a, b, c, d in plane_patches(state, PLANE_WIDTH):
+        yield Placement(points=np.array((a, b, c, a, c, d)))
     if not len(solver.muscle.interference_radii):
         return
     for centre in solver.mirrored(solver.muscle.interference_centres):
-        yield Place(centre)
+        yield Placement(centre)
     depth, deepest = depths(state)
     for i, k in enumerate(depth.argmax(axis=1).tolist()):
         enters = depth[i, k] >= 0.0 and state.wrap[i] != WrapState.INSIDE
-        yield Place(deepest[i, k], action=ADD if enters else DELETE)
+        yield Placement(deepest[i, k], action=ADD if enters else DELETE)
 
 
-def upright_turned(axis: Floats) -> Floats:
-    """Return the shortest turn that takes +z to a unit axis (3,), a quaternion x, y, z, w."""
+def quaternion_from_z_axis(axis: Floats) -> Floats:
+    """Return the shortest rotation from +z to a unit axis (3,): a quaternion x, y, z, w (4,)."""
     x, y, z = axis.tolist()
     if z < -1.0 + 1e-9:
         return np.array((1.0, 0.0, 0.0, 0.0))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import time
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+from ..errors import LinkedPlaneError
+from ..files import replace_when_complete
 
 FORMAT = 'linkedplane_ros/fit_checkpoint'
 EVERY = 5.0  # s
@@ -33,16 +34,10 @@ class Checkpoint:
             self.write(search.state())
 
     def write(self, state: dict[str, Any]) -> None:
-        """Write a state; ValueError in one line where it cannot be."""
+        """Write a state; LinkedPlaneError where it cannot be."""
         text = json.dumps({'format': FORMAT, 'fit': self.fingerprint, 'state': state})
-        new = self.path.with_name(self.path.name + '.new')
-        try:
-            new.write_text(text, encoding='utf-8')
-            os.replace(new, self.path)
-        except OSError as error:
-            with suppress(OSError):  # where there is nothing to remove
-                new.unlink()
-            raise ValueError(f'{self.path}: cannot be written: {error.strerror}') from None
+        with replace_when_complete(self.path, LinkedPlaneError) as part:
+            part.write_text(text, encoding='utf-8')
         self._written = time.monotonic()
 
     def read(self) -> dict[str, Any]:

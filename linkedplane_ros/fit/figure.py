@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..drawing.colours import HEAD_COLOURS
-from ..drawing.plot import STYLE, library, write
+from ..drawing.figure_files import house_style, write_figure
 from ..types import Colour
 from .criterion import MM
 from .report import Outcome, mean
@@ -23,7 +23,7 @@ def draw(outcome: Outcome, file: Path) -> None:
 
     RecordingError if it cannot be written, or matplotlib is not there.
     """
-    with library().rc_context(STYLE):
+    with house_style():
         from matplotlib.figure import Figure
 
         kinds = {kind: rows for kind, rows in outcome.deviations(outcome.found).items() if rows}
@@ -45,7 +45,7 @@ def draw(outcome: Outcome, file: Path) -> None:
         title = f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}'
         figure.suptitle(title, fontsize=7.0)
         figure.tight_layout(rect=(0.0, 0.09, 1.0, 1.0))
-        write(figure, file, 'png')
+        write_figure(figure, file, 'png')
 
 
 def draw_trade_off(outcome: Outcome, file: Path) -> None:
@@ -53,7 +53,7 @@ def draw_trade_off(outcome: Outcome, file: Path) -> None:
 
     RecordingError if it cannot be written, or matplotlib is not there.
     """
-    with library().rc_context(STYLE):
+    with house_style():
         from matplotlib.figure import Figure
 
         figure = Figure((4.0, 2.8))
@@ -76,7 +76,7 @@ def draw_trade_off(outcome: Outcome, file: Path) -> None:
         figure.suptitle(f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}',
                         fontsize=7.0)  # fmt: skip
         figure.tight_layout()
-        write(figure, file, 'png')
+        write_figure(figure, file, 'png')
 
 
 def _curves(

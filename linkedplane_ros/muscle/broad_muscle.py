@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from importlib import resources
@@ -14,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ModelError
+from ..files import replace_when_complete
 from ..types import Floats, Interval
 from . import file, scaling, writing
 from .definition import (
@@ -227,15 +226,8 @@ class BroadMuscle:
         text = writing.written(self.definition)
         if file.read_definition(parse_yaml(str(path), text)) != self.definition:
             raise ModelError(f'{path}: not written: a name or text would be read otherwise')
-        part = path.with_name(f'.{path.name}.{os.getpid()}.part')
-        try:
+        with replace_when_complete(path, ModelError) as part:
             part.write_text(text, encoding='utf-8')
-            os.replace(part, path)
-        except OSError as error:
-            raise ModelError(f'{path}: cannot be written: {error.strerror}') from None
-        finally:
-            with suppress(OSError):  # where there is nothing to remove
-                part.unlink()
 
     def outside(self, rotations: Floats) -> int:
         """Return how many of the rotations (m, 3, 3) lie outside the range of motion.

@@ -10,7 +10,7 @@ from geometry_msgs.msg import Point, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from ..drawing.shapes import MuscleShapes, Place, Shape
+from ..drawing.shapes import MuscleShapes, Placement, Shape
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import MuscleState
 from ..types import Colour
@@ -62,7 +62,7 @@ class MuscleMarkers:
 
     def update(self, state: MuscleState, stamp: Time) -> MarkerArray:
         """Return the markers at a state. The next call changes the same messages."""
-        places = self._shapes.at(state)
+        places = self._shapes.placements(state)
         for marker, pool, place in zip(self._markers, self._pools, places, strict=True):
             marker.header.stamp = stamp
             move_marker(marker, pool, place)
@@ -74,7 +74,7 @@ def rgba(colour: Colour, alpha: float) -> ColorRGBA:
     return ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=alpha)
 
 
-def move_marker(marker: Marker, pool: list[Point], place: Place) -> None:
+def move_marker(marker: Marker, pool: list[Point], place: Placement) -> None:
     """Move a marker to a place; its points are taken from the pool, which grows if needed."""
     marker.action = place.action
     if place.position is not None:

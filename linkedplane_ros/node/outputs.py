@@ -12,7 +12,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 
-from ..drawing.shapes import Pace
+from ..drawing.shapes import RateLimiter
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import Rejected
 from ..linked_planes.compiled import COMPILED
@@ -64,7 +64,7 @@ class MuscleOutputs:
         self._markers = MuscleMarkers(
             muscle, settings.frame_id, settings.markers_points, settings.markers_details
         )
-        self._pace = Pace(settings.markers_rate)
+        self._pace = RateLimiter(settings.markers_rate)
         self._answers = Answers(
             muscle.band_names, settings.convention.coordinates, settings.frame_id
         )
@@ -127,7 +127,7 @@ class MuscleOutputs:
             stamp, state, arms, None if speeds is None else lengthening
         ).items():
             topics[name].publish(answer)
-        if topics['markers'].get_subscription_count() and self._pace.due(
+        if topics['markers'].get_subscription_count() and self._pace.allows(
             stamp.sec + 1e-9 * stamp.nanosec, start
         ):
             self._publish_markers(state, stamp)

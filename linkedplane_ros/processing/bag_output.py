@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC, Pace
+from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC, RateLimiter
 from ..errors import RecordingError
 from ..recordings.bags import JOINT_STATE, open_bag
 from .cdr import JointStates, SerializedAnswers
@@ -66,7 +66,7 @@ class BagOutput:
         )
         self._joints = JointStates(store, described.coordinates, '')
         self._markers = SerializedMarkers(store, muscle, described.frame_id, POINTS_ON_ARC)
-        self._pace = Pace(MARKER_RATE)
+        self._pace = RateLimiter(MARKER_RATE)
 
     def write(self, solved: Solved) -> None:
         """Append a chunk: each message, and behind it the answers to its frames."""
@@ -112,7 +112,7 @@ class BagOutput:
             due = [
                 k
                 for k, (stamp, time) in enumerate(zip(stamps, times, strict=True))
-                if self._pace.due(1e-9 * stamp, 1e-9 * time)
+                if self._pace.allows(1e-9 * stamp, 1e-9 * time)
             ]
             shown = self._markers.of([states[k] for k in due], [stamps[k] for k in due])
             for k, message in zip(due, shown, strict=True):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..drawing.shapes import MuscleShapes, Place, Shape
+from ..drawing.shapes import MuscleShapes, Placement, Shape
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import MuscleState
 from ..types import Colour, Floats
@@ -32,7 +32,7 @@ class SerializedMarkers:
         for k, state in enumerate(states):
             alike[state.wrap.tobytes()].append(k)
         for wrap, which in alike.items():
-            places = [self._shapes.at(states[k]) for k in which]
+            places = [self._shapes.placements(states[k]) for k in which]
             if wrap not in self._templates:
                 self._templates[wrap] = self._template(places[0])
             rows = zip(*([each for _, each in numbers(every)] for every in places), strict=True)
@@ -44,7 +44,7 @@ class SerializedMarkers:
                 made[k] = message
         return made
 
-    def _template(self, places: Sequence[Place]) -> Template:
+    def _template(self, places: Sequence[Placement]) -> Template:
         """Return the message of such places, with numbers in them that are found again."""
         random = np.random.default_rng(0).random
         examples = []
@@ -52,7 +52,7 @@ class SerializedMarkers:
             position, turn, points = (
                 None if each is None else random(each.shape) for each in place.numbers
             )
-            examples.append(Place(position, turn, points))
+            examples.append(Placement(position, turn, points))
         markers = [
             self._marker(shape, example, place.action)
             for shape, example, place in zip(self._shapes.shapes, examples, places, strict=True)
@@ -61,7 +61,7 @@ class SerializedMarkers:
         data = bytes(self._store.serialize_cdr(message, MARKERS.type))
         return Template(data, stamp=STAMP, **dict(numbers(examples)))
 
-    def _marker(self, shape: Shape, place: Place, action: int) -> Any:
+    def _marker(self, shape: Shape, place: Placement, action: int) -> Any:
         def make(kind: str, *values: Any) -> Any:
             return self._store.types[kind](*values)
 
@@ -102,9 +102,9 @@ class SerializedMarkers:
         )
 
 
-def numbers(places: Sequence[Place]) -> Iterator[tuple[str, Floats]]:
+def numbers(places: Sequence[Placement]) -> Iterator[tuple[str, Floats]]:
     """Yield all numbers of the places, each under a name of its own."""
     for k, place in enumerate(places):
-        for name, each in zip(Place._fields, place.numbers, strict=False):
+        for name, each in zip(Placement._fields, place.numbers, strict=False):
             if each is not None:
                 yield f'{name}_{k}', each

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from ..drawing.plot import Processed
+from ..drawing.processed import ProcessedRecording
 from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, Rejected
@@ -23,7 +23,7 @@ from ..types import Floats
 from .topics import read_label
 
 
-def read(path: Path) -> Processed:
+def read(path: Path) -> ProcessedRecording:
     """Return what a processed recording holds; RecordingError if it is none."""
     if not path.exists():
         raise RecordingError(f'{path}: no such file or folder')
@@ -72,7 +72,7 @@ def from_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
     }
 
 
-def from_bag(path: Path) -> Processed:
+def from_bag(path: Path) -> ProcessedRecording:
     """Return what an annotated bag holds."""
     try:
         content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
@@ -126,7 +126,9 @@ def columns_of_bag(path: Path, muscle: str, frame_reader: JointFrameReader) -> d
     return columns
 
 
-def assembled(path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats]) -> Processed:
+def assembled(
+    path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats]
+) -> ProcessedRecording:
     """Return the columns of an output as arrays; KeyError or ValueError if they are not there."""
     coordinates = tuple(name[7:] for name in columns if name.startswith('angles/'))
     bands = tuple(name[13:] for name in columns if name.startswith('band_lengths/'))
@@ -134,7 +136,7 @@ def assembled(path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats
     times = columns['time']
     if not len(times):
         raise ValueError('no frames in it')
-    return Processed(
+    return ProcessedRecording(
         title=f'{path.name}: {facts["muscle"]}, {facts["side"]}, {facts["joint_convention"]}',
         heads={head: tuple(names) for head, names in json.loads(facts['heads']).items()},
         bands=bands,

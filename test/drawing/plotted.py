@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.drawing.plot import Processed
+from linkedplane_ros.drawing.processed import ProcessedRecording
 
 FRAMES = 60
 ROWS = 5
@@ -18,11 +18,11 @@ ISB = JOINT_CONVENTIONS['isb_yxy']
 Array = np.ndarray
 
 
-def sweep(elevations: Array) -> Processed:
+def sweep(elevations: Array) -> ProcessedRecording:
     """Return the deltoid's answers at these elevations, rad, 0.02 s from one to the next."""
     angles = np.column_stack((np.full(len(elevations), 0.5), elevations, 0.3 * elevations))
     states = LinkedPlaneSolver(DELTOID).solve_batch([ISB.rotation(row) for row in angles])
-    return Processed(
+    return ProcessedRecording(
         title='sweep.csv: deltoid, right, isb_yxy',
         heads={head.name: head.bands for head in DELTOID.heads},
         bands=DELTOID.band_names,
@@ -39,7 +39,7 @@ SWEEP = sweep(np.linspace(0.1, 2.2, FRAMES))
 ONE_HEAD = dataclasses.replace(SWEEP, heads={'middle': ('middle_1', 'middle_2')})  # quickly drawn
 
 
-def repeated(processed: Processed, frames: int) -> Processed:
+def repeated(processed: ProcessedRecording, frames: int) -> ProcessedRecording:
     """Return the recording over and over, 0.02 s from one frame to the next."""
     which = np.arange(frames) % len(processed.times)
     fields = {

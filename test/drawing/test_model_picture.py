@@ -12,7 +12,7 @@ import pytest
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.drawing.colours import head_colours
-from linkedplane_ros.drawing.picture import ball, picture, poses
+from linkedplane_ros.drawing.picture import model_figure, pictured_poses, sphere_grid
 
 pytest.importorskip('matplotlib')
 
@@ -21,10 +21,10 @@ THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 
 
 def test_a_picture_shows_bands_ends_and_spheres_in_mm_at_three_poses_from_two_sides() -> None:
-    figure = picture(DELTOID)
+    figure = model_figure(DELTOID)
     assert len(figure.axes) == 6
     colours = head_colours(DELTOID)
-    for axes, angles in zip(figure.axes, [*poses(DELTOID)] * 2, strict=True):
+    for axes, angles in zip(figure.axes, [*pictured_poses(DELTOID)] * 2, strict=True):
         state = LinkedPlaneSolver(DELTOID).solve(THESIS.rotation(angles))
         *bands, shaft = axes.lines
         for line, path, colour in zip(bands, state.paths(24), colours, strict=True):
@@ -40,9 +40,11 @@ def test_a_picture_shows_bands_ends_and_spheres_in_mm_at_three_poses_from_two_si
 
 
 def test_the_poses_are_hanging_and_raised_within_the_range_of_motion() -> None:
-    np.testing.assert_allclose(np.degrees(poses(DELTOID)), [[0, 0, 0], [80, 0, 0], [0, 90, 0]])
+    np.testing.assert_allclose(
+        np.degrees(pictured_poses(DELTOID)), [[0, 0, 0], [80, 0, 0], [0, 90, 0]]
+    )
     small = replace(DELTOID, range_of_motion=((0.1, 0.5), (0.0, 0.6), (-0.1, 0.1)))
-    np.testing.assert_allclose(poses(small), [[0.1, 0, 0], [0.5, 0, 0], [0.1, 0.6, 0]])
+    np.testing.assert_allclose(pictured_poses(small), [[0.1, 0, 0], [0.5, 0, 0], [0.1, 0.6, 0]])
 
 
 def test_a_shared_sphere_is_drawn_once() -> None:
@@ -52,12 +54,12 @@ def test_a_shared_sphere_is_drawn_once() -> None:
         sphere_centres=np.zeros((9, 3)),
         sphere_radii=np.full(9, 0.02),
     )
-    assert len(picture(shared).axes[0].collections) == 1 + 3 + 2
+    assert len(model_figure(shared).axes[0].collections) == 1 + 3 + 2
 
 
 def test_a_ball_is_a_sphere() -> None:
     centre = np.array([0.01, -0.02, 0.03])
-    away = ball(centre, 0.05) - 1e3 * centre[:, np.newaxis, np.newaxis]
+    away = sphere_grid(centre, 0.05) - 1e3 * centre[:, np.newaxis, np.newaxis]
     np.testing.assert_allclose(np.linalg.norm(away, axis=0), 50.0, atol=1e-9)
 
 
@@ -73,7 +75,7 @@ def test_info_draws_a_model(ending: str, begins: bytes, tmp_path: Path) -> None:
     ('name', 'told'),
     [
         ('deltoid.bmp', 'a picture ends in .png or .svg'),
-        ('absent/deltoid.png', 'not written: No such file or directory'),
+        ('absent/deltoid.png', 'cannot be written: No such file or directory'),
     ],
 )
 def test_a_picture_that_cannot_be_written_ends_in_one_line(

@@ -17,7 +17,7 @@ from plotted import ONE_HEAD
 
 from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import main
-from linkedplane_ros.drawing.plot import figures, save
+from linkedplane_ros.drawing.plot import figures, save_figures
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.processing.reading import read
 
@@ -30,7 +30,7 @@ def matplotlib_settings() -> dict[str, Any]:
 
 
 def test_png_files_are_pictures(tmp_path: Path) -> None:
-    files = save(ONE_HEAD, tmp_path / 'raise.v1', 'png')
+    files = save_figures(ONE_HEAD, tmp_path / 'raise.v1', 'png')
     names = ['over_time', *(f'against_{name}' for name in ISB.coordinates)]
     assert [file.name for file in files] == [f'raise.v1_{name}.png' for name in names]
     assert sorted(tmp_path.iterdir()) == sorted(files)  # and nothing else
@@ -39,7 +39,7 @@ def test_png_files_are_pictures(tmp_path: Path) -> None:
 
 
 def test_svg_files_are_xml_with_text_and_the_same_every_time(tmp_path: Path) -> None:
-    files, again = (save(ONE_HEAD, tmp_path / name, 'svg') for name in ('one', 'two'))
+    files, again = (save_figures(ONE_HEAD, tmp_path / name, 'svg') for name in ('one', 'two'))
     for file, other in zip(files, again, strict=True):
         root = ElementTree.parse(file).getroot()
         words = ' '.join(''.join(text.itertext()) for text in root.iter() if 'text' in text.tag)
@@ -55,9 +55,9 @@ def test_a_folder_that_does_not_exist_is_named_in_one_line(
 ) -> None:
     (tmp_path / 'file').touch()
     with pytest.raises(RecordingError) as caught:
-        save(ONE_HEAD, tmp_path / folder / 'raise', 'png')
+        save_figures(ONE_HEAD, tmp_path / folder / 'raise', 'png')
     file = tmp_path / folder / 'raise_over_time.png'
-    assert str(caught.value) == f'{file}: not written: {reason}'
+    assert str(caught.value) == f'{file}: cannot be written: {reason}'
 
 
 def test_without_matplotlib_the_reason_names_what_to_install(
@@ -70,14 +70,14 @@ def test_without_matplotlib_the_reason_names_what_to_install(
 
 def test_a_file_that_cannot_be_replaced_leaves_nothing_behind(tmp_path: Path) -> None:
     (tmp_path / 'raise_over_time.svg').mkdir()
-    with pytest.raises(RecordingError, match=r'raise_over_time\.svg: not written'):
-        save(ONE_HEAD, tmp_path / 'raise', 'svg')
+    with pytest.raises(RecordingError, match=r'raise_over_time\.svg: cannot be written'):
+        save_figures(ONE_HEAD, tmp_path / 'raise', 'svg')
     assert [path.name for path in tmp_path.iterdir()] == ['raise_over_time.svg']
 
 
 def test_the_settings_of_matplotlib_are_left_alone(tmp_path: Path) -> None:
     before = matplotlib_settings()
-    save(ONE_HEAD, tmp_path / 'raise', 'svg')
+    save_figures(ONE_HEAD, tmp_path / 'raise', 'svg')
     assert matplotlib_settings() == before
 
 
@@ -86,7 +86,8 @@ def test_matplotlib_is_loaded_with_a_figure_and_its_windows_and_ros_never(tmp_pa
         import sys
         import numpy as np
         from pathlib import Path
-        from linkedplane_ros.drawing.plot import Processed, save
+        from linkedplane_ros.drawing.plot import save_figures
+        from linkedplane_ros.drawing.processed import ProcessedRecording
 
         def loaded(*modules):
             print(*(module for module in modules if module in sys.modules), sep=' ')
@@ -94,7 +95,8 @@ def test_matplotlib_is_loaded_with_a_figure_and_its_windows_and_ros_never(tmp_pa
         loaded('matplotlib', 'rclpy', 'visualization_msgs', 'rosbags')
         one, arms, wrap = np.ones((1, 1)), np.ones((1, 1, 3)), np.zeros((1, 1), dtype=np.uint8)
         given = np.ones(1), np.ones((1, 3)), one, arms, wrap
-        save(Processed('', {'h': ('b',)}, ('b',), ('x', 'y', 'z'), *given), Path('raise'), 'png')
+        empty = ProcessedRecording('', {'h': ('b',)}, ('b',), ('x', 'y', 'z'), *given)
+        save_figures(empty, Path('raise'), 'png')
         loaded('matplotlib', 'matplotlib.pyplot', 'rclpy', 'visualization_msgs', 'rosbags')
     """
     command = [sys.executable, '-c', code]

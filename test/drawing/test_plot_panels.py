@@ -13,8 +13,10 @@ from matplotlib.text import Text
 from plotted import ONE_HEAD, ROWS, SWEEP, panels, repeated, sweep
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, WrapState
-from linkedplane_ros.drawing.colours import HEAD_COLOURS
-from linkedplane_ros.drawing.plot import STATES, Processed, covered, figures, shades
+from linkedplane_ros.drawing.colours import HEAD_COLOURS, shades
+from linkedplane_ros.drawing.plot import STATE_GREYS, figures
+from linkedplane_ros.drawing.processed import ProcessedRecording
+from linkedplane_ros.drawing.thinning import covered_intervals
 from linkedplane_ros.errors import RecordingError
 
 EXACT = 1e-9  # mm, deg, s: drawn are the given numbers, but for the rounding of their units
@@ -38,8 +40,8 @@ def band_line(axes: Any, band: str) -> tuple[Array, Array]:
 
 def state_bars(axes: Any, lane: int, state: int) -> list[tuple[float, float]]:
     """Return the (start, end) of the bars of a state in the strip of a head's band."""
-    kind = axes.collections[len(STATES) * lane + len(STATES) - 1 - state]
-    assert kind.get_facecolor()[0, :3] == pytest.approx([list(STATES.values())[state]] * 3)
+    kind = axes.collections[len(STATE_GREYS) * lane + len(STATE_GREYS) - 1 - state]
+    assert kind.get_facecolor()[0, :3] == pytest.approx([list(STATE_GREYS.values())[state]] * 3)
     return [(path.vertices[:, 0].min(), path.vertices[:, 0].max()) for path in kind.get_paths()]
 
 
@@ -134,13 +136,13 @@ def test_a_band_alone_is_dark_enough_for_paper_whatever_its_colour() -> None:
 
 
 def test_the_wrap_states_have_a_legend_and_differ_in_grey(made: dict[str, Figure]) -> None:
-    assert list(STATES) == [state.name.lower() for state in WrapState]
-    assert -np.diff([*STATES.values()]).max() > VISIBLE
+    assert list(STATE_GREYS) == [state.name.lower() for state in WrapState]
+    assert -np.diff([*STATE_GREYS.values()]).max() > VISIBLE
     for figure in made.values():
         (legend,) = figure.legends
-        assert [text.get_text() for text in legend.get_texts()] == list(STATES)
+        assert [text.get_text() for text in legend.get_texts()] == list(STATE_GREYS)
         shown = [grey(patch.get_facecolor()) for patch in legend.get_patches()]
-        assert shown == pytest.approx(list(STATES.values()))
+        assert shown == pytest.approx(list(STATE_GREYS.values()))
 
 
 def test_each_band_has_a_named_strip_of_its_wrap_states_over_time(made: dict[str, Figure]) -> None:
@@ -170,8 +172,11 @@ def test_where_a_coordinate_returns_in_another_state_both_are_shown() -> None:
 def test_a_state_of_one_frame_and_a_gap_show_in_the_strip() -> None:
     x = np.arange(10.0)
     here = np.array([0, 0, 1, 0, 0, 1, 1, 1, 0, 0], dtype=bool)
-    assert covered(x, here) == [pytest.approx((2, 1), abs=0.01), pytest.approx((5, 3), abs=0.01)]
-    assert covered(x, np.zeros(10, dtype=bool)) == []
+    assert covered_intervals(x, here) == [
+        pytest.approx((2, 1), abs=0.01),
+        pytest.approx((5, 3), abs=0.01),
+    ]
+    assert covered_intervals(x, np.zeros(10, dtype=bool)) == []
 
 
 def test_a_frame_without_answer_breaks_the_line() -> None:
@@ -215,7 +220,7 @@ def test_dates_are_shown_from_the_first_frame_on() -> None:
 
 
 @pytest.mark.parametrize('processed', [SWEEP, ONE_HEAD], ids=['three heads', 'one head'])
-def test_no_text_is_cropped_or_lies_on_another(processed: Processed) -> None:
+def test_no_text_is_cropped_or_lies_on_another(processed: ProcessedRecording) -> None:
     titled = dataclasses.replace(processed, title='a_long_name_of_a_file ' * 8)
     for figure in figures(titled).values():
         width, height = figure.get_size_inches()

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from plotted import ONE_HEAD, panels, repeated
 
-from linkedplane_ros.drawing.plot import CROWDED, MOST, figures, thinned
+from linkedplane_ros.drawing.plot import CROWDED, MOST, figures
+from linkedplane_ros.drawing.thinning import thin_points
 
 EXACT = 1e-9  # mm, deg, s: drawn are the given numbers, but for the rounding of their units
 
 
 def test_a_short_series_is_not_thinned() -> None:
     x, y = np.arange(100.0), np.sin(np.arange(100.0))
-    assert all(a is b for a, b in zip(thinned(x, y, 100), (x, y), strict=True))
+    assert all(a is b for a, b in zip(thin_points(x, y, 100), (x, y), strict=True))
 
 
 @pytest.mark.parametrize(('frames', 'most'), [(1001, 1000), (1003, 50), (100_003, 4000), (17, 5)])
@@ -22,7 +23,7 @@ def test_extremes_survive_thinning(frames: int, most: int) -> None:
     x, y = np.cumsum(random.random(frames)), random.normal(size=frames)
     peak, trough, turn = random.choice(frames, 3, replace=False)
     y[peak], y[trough], x[turn] = 99.0, -99.0, 2 * x[-1]
-    few, values = thinned(x, y, most)
+    few, values = thin_points(x, y, most)
     assert len(few) == len(values) <= most
     assert {x[peak], x[trough], x[turn], x[0]} <= set(few)
     assert (values.max(), values.min()) == (99.0, -99.0)
@@ -33,7 +34,7 @@ def test_extremes_survive_thinning(frames: int, most: int) -> None:
 
 def test_every_run_keeps_its_own_extremes() -> None:
     y = np.random.default_rng(1).normal(size=10_000)
-    _, few = thinned(np.arange(10_000.0), y, 500)
+    _, few = thin_points(np.arange(10_000.0), y, 500)
     for run in y.reshape(100, 100):
         assert {run.min(), run.max(), run[0], run[-1]} <= set(few)
 
@@ -42,7 +43,7 @@ def test_a_gap_survives_thinning_beside_the_extremes() -> None:
     y = np.arange(1000.0)
     y[500] = np.nan
     y[503] = 5000.0
-    _, few = thinned(np.arange(1000.0), y, 100)
+    _, few = thin_points(np.arange(1000.0), y, 100)
     assert np.isnan(few).sum() == 1
     assert np.nanmax(few) == 5000.0
 

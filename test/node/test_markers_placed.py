@@ -27,7 +27,7 @@ from visualization_msgs.msg import Marker
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.drawing.bones import BONE
 from linkedplane_ros.drawing.colours import SHARED, head_colours
-from linkedplane_ros.drawing.shapes import upright_turned
+from linkedplane_ros.drawing.shapes import quaternion_from_z_axis
 from linkedplane_ros.node.markers import MuscleMarkers
 
 EXACT = 1e-12  # m: a marker holds the solver's numbers
@@ -241,7 +241,7 @@ def test_any_axis_is_reached_by_a_unit_quaternion(around: float, down: float) ->
     axis = np.array(
         (math.sin(down) * math.cos(around), math.sin(down) * math.sin(around), math.cos(down))
     )
-    turn = upright_turned(axis)
+    turn = quaternion_from_z_axis(axis)
     # hanging upside down costs digits: half of them at the worst
     assert np.linalg.norm(turn) == pytest.approx(1.0, abs=1e-6)
     np.testing.assert_allclose(

@@ -18,7 +18,7 @@ from ros_harness import ANSWERS, NodeProcess, Peer, together
 from rosgraph_msgs.msg import Clock
 from visualization_msgs.msg import Marker, MarkerArray
 
-from linkedplane_ros.drawing.shapes import Pace
+from linkedplane_ros.drawing.shapes import RateLimiter
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
 NAMES = ('flexion', 'abduction', 'rotation')
@@ -28,8 +28,8 @@ MS = 10**6  # ns
 
 def shown(stamps: Sequence[float], rate: float = 30.0) -> list[float]:
     """Return which stamps, s, are let through; arrivals are 1 ms apart."""
-    pace = Pace(rate)
-    return [stamp for k, stamp in enumerate(stamps) if pace.due(stamp, 0.001 * k)]
+    pace = RateLimiter(rate)
+    return [stamp for k, stamp in enumerate(stamps) if pace.allows(stamp, 0.001 * k)]
 
 
 def test_the_pace_is_that_of_the_stamps() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...drawing.plot import DEGREES
+from ...drawing.units import DEGREES
 from ...solver.linked_plane_solver import WrapState
 from ..experiments import MILLIMETRES, Experiment
 from ..pictures import animation, charts

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...drawing.plot import DEGREES
+from ...drawing.units import DEGREES
 from ..experiments import HALF, MILLIMETRES, MOTIONS, simulate_all
 from ..fidelity import (
     AS_IS,

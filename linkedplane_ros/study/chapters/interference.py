@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...drawing.plot import DEGREES
+from ...drawing.units import DEGREES
 from ...solver.linked_plane_solver import WrapState
 from ..experiments import MILLIMETRES
 from ..interference import PRINTED, READINGS, REVERSED_Z, Checks, check

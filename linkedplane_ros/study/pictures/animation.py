@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ...drawing.plot import DEGREES, MILLIMETRES
+from ...drawing.units import DEGREES, MILLIMETRES
 from ..experiments import Experiment, simulate
 from ..subject import Subject
 from .figures import drawing

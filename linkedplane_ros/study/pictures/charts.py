@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ...drawing.plot import DASHES, DEGREES, MILLIMETRES
+from ...drawing.plot import DASHES
+from ...drawing.units import DEGREES, MILLIMETRES
 from ...types import Floats
 from ..experiments import MOTIONS, Experiment
 from ..fidelity import AS_IS, TWO_THIRDS, Reading, lengths_of

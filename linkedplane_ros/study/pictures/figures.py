@@ -13,7 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...drawing.bones import BONE
-from ...drawing.plot import DEGREES, STYLE
+from ...drawing.figure_files import STYLE
+from ...drawing.units import DEGREES
 from ...errors import RecordingError
 from ...solver.linked_plane_solver import MuscleState
 from ..attachments import of_whole_span

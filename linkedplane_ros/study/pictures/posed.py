@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...drawing.bones import BONE, SHAFT_RADIUS, shaft_axis
-from ...drawing.colours import HEAD_COLOURS
-from ...drawing.planes import patches
-from ...drawing.plot import shades
+from ...drawing.colours import HEAD_COLOURS, shades
+from ...drawing.planes import plane_patches
 from ...muscle.broad_muscle import BroadMuscle
 from ...solver.linked_plane_solver import MuscleState
 from ...types import Colour, Floats
@@ -88,7 +87,7 @@ def add_obstacles(scene: Scene, state: MuscleState) -> None:
 def add_planes(scene: Scene, state: MuscleState, alpha: float = 0.12) -> None:
     """Add each band's plane: as much of it as lies about the band."""
     muscle = state.solver.muscle
-    drawn = zip(patches(state, 1.0), state.paths(17), band_colours(muscle), strict=True)
+    drawn = zip(plane_patches(state, 1.0), state.paths(17), band_colours(muscle), strict=True)
     for (P, S, _, aside), path, colour in drawn:
         e = aside - P
         above = (float(((path - P) @ e).max()) + ABOVE) * e

@@ -1,0 +1,32 @@
+"""Files that appear when they are complete."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from .errors import LinkedPlaneError
+
+
+@contextmanager
+def replace_when_complete(path: Path, error: type[LinkedPlaneError]) -> Iterator[Path]:
+    """Give a file to write to, which takes the place of `path` at the end of the block.
+
+    Parameters
+    ----------
+    path
+        Where the file shall be; what is there before is kept if the block fails.
+    error
+        What is raised where the file cannot be written.
+    """
+    part = path.with_name(f'.{path.name}.{os.getpid()}.part')
+    try:
+        yield part
+        os.replace(part, path)
+    except OSError as fault:
+        raise error(f'{path}: cannot be written: {fault.strerror or fault}') from None
+    finally:
+        with suppress(OSError):  # where there is nothing to remove
+            part.unlink()
