@@ -29,7 +29,7 @@ def head_colour(number: int) -> Colour:
 def head_colours(muscle: BroadMuscle) -> list[Colour]:
     """Return each band's colour, (n): that of its head."""
     colours = {head.name: head_colour(i) for i, head in enumerate(muscle.heads)}
-    return [colours[muscle.head_of(band)] for band in muscle.band_names]
+    return [colours[muscle.find_head(band)] for band in muscle.band_names]
 
 
 def sphere_colours(muscle: BroadMuscle) -> dict[int, Colour]:
@@ -37,7 +37,7 @@ def sphere_colours(muscle: BroadMuscle) -> dict[int, Colour]:
     colours = head_colours(muscle)
     return {
         first: colours[first] if len({colours[i] for i in bands}) == 1 else SHARED
-        for first, bands in muscle.sharers().items()
+        for first, bands in muscle.bands_by_sphere().items()
     }
 
 

@@ -110,7 +110,7 @@ def _colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:
     """Return of each part that was measured the head that it belongs to, and that one's colour."""
     muscle = outcome.after
     heads = {
-        row.part: muscle.head_of(muscle.band_names[row.band]) for row in outcome.data.measurements
+        row.part: muscle.find_head(muscle.band_names[row.band]) for row in outcome.data.measurements
     }
     order = list(dict.fromkeys(heads.values()))
     return {

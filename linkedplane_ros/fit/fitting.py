@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..muscle.writing import content
+from ..muscle.writing import file_content
 from ..types import Floats
 from .criterion import Criterion, posed
 from .polish import polished
@@ -243,7 +243,7 @@ def fingerprint(criterion: Criterion, plan: Plan, watch: Floats | None = None) -
     space = criterion.space
     stated = {
         'version': __version__,
-        'model': content(space.definition),
+        'model': file_content(space.definition),
         'parameters': [asdict(parameter) for parameter in space.parameters],
         'weights': asdict(criterion.weights),
         'plan': asdict(plan),

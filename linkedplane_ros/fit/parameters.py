@@ -36,7 +36,7 @@ from ..muscle.definition import (
     Definition,
     Listed,
     Polynomial,
-    frames_of,
+    expand_frame,
 )
 from ..types import Floats
 from .kernel import PHI, combined
@@ -371,7 +371,7 @@ def flat_numbers(definition: Definition) -> Floats:
         metres * values['sphere.radius'],
         phi,
         np.zeros_like(phi),
-        frames_of(definition.sphere_frame, len(phi)),
+        expand_frame(definition.sphere_frame, len(phi)),
     )
 
 

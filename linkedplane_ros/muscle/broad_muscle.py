@@ -21,24 +21,24 @@ from .definition import (
     Head,
     Landmark,
     Sphere,
-    as_frame,
-    frames_of,
-    in_metres,
-    unit,
+    define_in_metres,
+    expand_frame,
+    require_frame,
+    unit_vector,
     whole_head,
 )
 from .mapping import YamlMapping, parse_yaml, read_text
 from .scaling import Scale
 from .validity import (
-    as_array,
-    as_intervals,
-    as_text,
     check_distinct,
     check_geometry,
     check_heads,
     check_landmarks,
     check_names,
     check_topic_name,
+    require_array,
+    require_intervals,
+    require_text,
 )
 
 __all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale', 'bundled_models']
@@ -105,8 +105,8 @@ class BroadMuscle:
     def __post_init__(self) -> None:
         """Check all that a file is checked for; FieldError names the field."""
         check_topic_name('name', self.name)
-        self._set('source', as_text('source', self.source))
-        self._set('licence', self.licence and as_text('licence', self.licence))
+        self._set('source', require_text('source', self.source))
+        self._set('licence', self.licence and require_text('licence', self.licence))
         for name in ('band_names', 'interference_names'):
             self._set(name, tuple(map(str, getattr(self, name))))
         check_names('band_names', self.band_names)
@@ -117,9 +117,9 @@ class BroadMuscle:
         self._set('landmarks', tuple(self.landmarks))
         check_landmarks([landmark.name for landmark in self.landmarks])
         if self.range_of_motion is not None:
-            limits = as_intervals('range_of_motion', self.range_of_motion, COORDINATES)
+            limits = require_intervals('range_of_motion', self.range_of_motion, COORDINATES)
             self._set('range_of_motion', limits)
-        frame = as_frame('sphere_frame', self.sphere_frame, len(self.band_names))
+        frame = require_frame('sphere_frame', self.sphere_frame, len(self.band_names))
         self._set('sphere_frame', frame)
         self._set_arrays()
         check_geometry(self)
@@ -133,8 +133,8 @@ class BroadMuscle:
                 self._set(name, None)
                 continue
             expected = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
-            array = as_array(name, getattr(self, name), expected)
-            array = unit(array) if name == 'reference_normal' else array
+            array = require_array(name, getattr(self, name), expected)
+            array = unit_vector(array) if name == 'reference_normal' else array
             array.flags.writeable = False  # the definition would no longer be theirs
             self._set(name, array)
         for sphere in zip(
@@ -166,7 +166,7 @@ class BroadMuscle:
     @staticmethod
     def from_definition(definition: Definition) -> BroadMuscle:
         """Return the muscle that a definition defines."""
-        return BroadMuscle(**definition.evaluated, stated=definition)
+        return BroadMuscle(**definition.muscle_fields, stated=definition)
 
     @cached_property
     def definition(self) -> Definition:
@@ -178,10 +178,10 @@ class BroadMuscle:
         mine = {each.name: getattr(self, each.name) for each in fields(self)}
         stated = mine.pop('stated')
         if stated is not None and all(
-            same(value, stated.evaluated[name]) for name, value in mine.items()
+            are_equal(value, stated.muscle_fields[name]) for name, value in mine.items()
         ):
             return stated  # type: ignore[no-any-return]
-        return in_metres(mine)
+        return define_in_metres(mine)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, BroadMuscle) and self.definition == other.definition
@@ -196,8 +196,8 @@ class BroadMuscle:
         the humerus's; the same as text, with commas; or the path of a subject's measurements,
         .yaml (doc/reference/model_format.md). Raises ModelError where it is none of these.
         """
-        wanted = scaling.scale_of(scale, self.definition)
-        return BroadMuscle.from_definition(scaling.scaled(self.definition, wanted))
+        wanted = scaling.parse_scale(scale, self.definition)
+        return BroadMuscle.from_definition(scaling.scale_definition(self.definition, wanted))
 
     @property
     def coefficients(self) -> dict[str, float]:
@@ -212,7 +212,7 @@ class BroadMuscle:
 
         Raises ModelError for a place that is not there, and where `load` would refuse the result.
         """
-        return build_muscle(writing.with_coefficients(self.definition, values))
+        return build_muscle(writing.replace_coefficients(self.definition, values))
 
     def to_yaml(self, path: str | Path) -> None:
         """Write the muscle as a .yaml file; `load` gives an equal muscle back, to the bit.
@@ -223,13 +223,13 @@ class BroadMuscle:
         path = Path(path)
         if path.suffix not in ('.yaml', '.yml'):
             raise ModelError(f'{path}: a model file ends in .yaml')
-        text = writing.written(self.definition)
+        text = writing.yaml_text(self.definition)
         if file.read_definition(parse_yaml(str(path), text)) != self.definition:
             raise ModelError(f'{path}: not written: a name or text would be read otherwise')
         with replace_when_complete(path, ModelError) as part:
             part.write_text(text, encoding='utf-8')
 
-    def outside(self, rotations: Floats) -> int:
+    def count_outside_range(self, rotations: Floats) -> int:
         """Return how many of the rotations (m, 3, 3) lie outside the range of motion.
 
         A rotation has two triples of flexion, abduction and rotation: one within is enough.
@@ -255,9 +255,9 @@ class BroadMuscle:
     @property
     def sphere_frames(self) -> tuple[str, ...]:
         """(n) what each band's sphere moves with."""
-        return frames_of(self.sphere_frame, len(self.band_names))
+        return expand_frame(self.sphere_frame, len(self.band_names))
 
-    def sharers(self) -> dict[int, list[int]]:
+    def bands_by_sphere(self) -> dict[int, list[int]]:
         """Return the bands of each sphere, by number, under the first of them.
 
         Bands share a sphere if it is on a bone and they have the same numbers.
@@ -269,7 +269,7 @@ class BroadMuscle:
             shared.setdefault((own, frame, radii[i], *centres[i]), []).append(i)
         return {bands[0]: bands for bands in shared.values()}
 
-    def head_of(self, band: str) -> str:
+    def find_head(self, band: str) -> str:
         """Return the name of the head that a band belongs to."""
         return next(head.name for head in self.heads if band in head.bands)
 
@@ -280,7 +280,7 @@ def build_muscle(content: YamlMapping) -> BroadMuscle:
         return BroadMuscle.from_definition(file.read_definition(content))
 
 
-def same(one: Any, other: Any) -> bool:
+def are_equal(one: Any, other: Any) -> bool:
     """Return whether two values of a field, arrays or not, are equal."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return np.array_equal(one, other)

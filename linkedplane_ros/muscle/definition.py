@@ -1,6 +1,6 @@
 """A model as its file states it: polynomials stay polynomials, and lengths in the file's unit.
 
-Nothing is lost between a file and its definition. What the solver works with, arrays in m and rad,
+A file and its definition say the same, to the bit. What the solver works with, arrays in m and rad,
 is evaluated here and nowhere else.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import FieldError
 from ..types import Floats, Interval, Point
-from .validity import as_array, as_point, check_choice, check_names
+from .validity import check_choice, check_names, require_array, require_point
 
 METRES = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 RADIANS = {'rad': 1.0, 'deg': math.pi / 180.0}
@@ -32,12 +32,12 @@ class Polynomial:
 
     coefficients: tuple[float, ...]
 
-    def at(self, s: Floats) -> Floats:
+    def evaluate(self, s: Floats) -> Floats:
         """Return the values (n,) at the bands' s (n,)."""
         with np.errstate(all='ignore'):
             return np.asarray(np.polyval(self.coefficients, s), dtype=np.float64)
 
-    def times(self, factor: float) -> Polynomial:
+    def multiply(self, factor: float) -> Polynomial:
         """Return the quantity times a factor."""
         return Polynomial(tuple(factor * c for c in self.coefficients))
 
@@ -48,11 +48,11 @@ class Listed:
 
     values: tuple[float, ...]
 
-    def at(self, s: Floats) -> Floats:
+    def evaluate(self, s: Floats) -> Floats:
         """Return the values (n,), whatever the bands' s (n,)."""
         return np.array(self.values)
 
-    def times(self, factor: float) -> Listed:
+    def multiply(self, factor: float) -> Listed:
         """Return the quantity times a factor."""
         return Listed(tuple(factor * value for value in self.values))
 
@@ -98,8 +98,8 @@ class Sphere:
     def __post_init__(self) -> None:
         """Check centre and radius; FieldError says what would be right."""
         owner = f'interference sphere {self.name}'
-        object.__setattr__(self, 'centre', as_point('centre', self.centre, owner))
-        radius = float(as_array('radius', self.radius, (), owner))
+        object.__setattr__(self, 'centre', require_point('centre', self.centre, owner))
+        radius = float(require_array('radius', self.radius, (), owner))
         if radius <= 0.0:
             raise FieldError('radius', f'{radius:g} given, > 0 expected', owner)
         object.__setattr__(self, 'radius', radius)
@@ -119,7 +119,7 @@ class Landmark:
         """Check bone and place; FieldError says what would be right."""
         owner = f'landmark {self.name}'
         check_choice('bone', self.bone, BONES, owner)
-        object.__setattr__(self, 'at', as_point('at', self.at, owner))
+        object.__setattr__(self, 'at', require_point('at', self.at, owner))
 
 
 @dataclass(frozen=True)
@@ -158,17 +158,17 @@ class Definition:
         object.__setattr__(self, 'heads', self.heads or (whole_head(self.name, self.band_names),))
         n = len(self.band_names)
         if isinstance(self.s, Span):
-            as_array('bands.s', (self.s.first, self.s.last), (2,))
+            require_array('bands.s', (self.s.first, self.s.last), (2,))
         elif self.s is not None:
             check_count('bands.s', len(self.s), n)
-            as_array('bands.s', self.s, (n,))
+            require_array('bands.s', self.s, (n,))
         self._check_frame()
         self._check_curves()
 
     def _check_frame(self) -> None:
         """Refuse SC and HM without a moving frame, and such a frame without them."""
         n = len(self.band_names)
-        frames = frames_of(as_frame('sphere.frame', self.sphere_frame, n), n)
+        frames = expand_frame(require_frame('sphere.frame', self.sphere_frame, n), n)
         points = {
             'sphere.ground_point': self.ground_point,
             'sphere.humeral_point': self.humeral_point,
@@ -221,10 +221,10 @@ class Definition:
     @cached_property
     def values(self) -> dict[str, Floats]:
         """The curves' values (n,) at the bands, in the file's units, by the key in the file."""
-        return {key: curve.at(self.s_of_bands) for key, curve in self.curves().items()}
+        return {key: curve.evaluate(self.s_of_bands) for key, curve in self.curves().items()}
 
     @cached_property
-    def evaluated(self) -> dict[str, Any]:
+    def muscle_fields(self) -> dict[str, Any]:
         """The fields of the BroadMuscle that this defines, by name, in m and rad."""
         metres, radians, values = METRES[self.length], RADIANS[self.angle], self.values
 
@@ -249,13 +249,13 @@ class Definition:
             'ground_point': point(self.ground_point),
             'humeral_point': point(self.humeral_point),
             'plane_angles': values['plane_angle'] * radians,
-            'reference_normal': unit(np.array(self.reference_normal)),
+            'reference_normal': unit_vector(np.array(self.reference_normal)),
             'interference_names': tuple(sphere.name for sphere in spheres),
             'interference_centres': np.array([sphere.centre for sphere in spheres]).reshape(-1, 3)
             * metres,
             'interference_radii': np.array([sphere.radius for sphere in spheres]) * metres,
             'landmarks': tuple(
-                Landmark(mark.name, mark.bone, scaled_by(mark.at, metres))
+                Landmark(mark.name, mark.bone, multiply_point(mark.at, (metres,) * 3))
                 for mark in self.landmarks
             ),
             'range_of_motion': self.range_of_motion
@@ -274,7 +274,7 @@ def whole_head(name: str, bands: tuple[str, ...]) -> Head:
     return Head(name, bands, bands[len(bands) // 2])
 
 
-def as_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
+def require_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
     """Return what spheres move with, one of FRAMES for all or n of them; FieldError for others."""
     if isinstance(value, str) or not isinstance(value, Iterable):
         check_choice(field, value, FRAMES)
@@ -286,30 +286,30 @@ def as_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
     return frames
 
 
-def frames_of(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:
-    """Return each band's frame (n), where one may be stated for all."""
+def expand_frame(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:
+    """Return a frame for each of n bands, where one may be stated for all."""
     return (frame,) * n if isinstance(frame, str) else frame
 
 
-def scaled_by(point: Point, factor: float) -> Point:
-    """Return a point times a factor."""
-    x, y, z = point
-    return x * factor, y * factor, z * factor
+def multiply_point(point: Point, factors: Point) -> Point:
+    """Return a point with each coordinate times its factor."""
+    x, y, z = (value * factor for value, factor in zip(point, factors, strict=True))
+    return x, y, z
 
 
-def unit(vector: Floats) -> Floats:
-    """Return a vector (3,) at length 1; one that has it to rounding, or none, stays as it is."""
+def unit_vector(vector: Floats) -> Floats:
+    """Return a vector (3,) at length 1; of length 1 to rounding, or of length 0, as it is."""
     size = float(np.linalg.norm(vector))
     return vector if abs(size - 1.0) < 1e-12 or size == 0.0 else vector / size
 
 
-def in_metres(fields: dict[str, Any]) -> Definition:
-    """Return the definition of a BroadMuscle's fields: explicit lists, in m and rad."""
+def define_in_metres(fields: dict[str, Any]) -> Definition:
+    """Return the definition of a BroadMuscle's fields: lists, in m and rad."""
 
-    def columns(points: Floats) -> Any:
+    def curves(points: Floats) -> Any:
         return tuple(Listed(tuple(column)) for column in points.T.tolist())
 
-    def listed(values: Floats | None) -> Any:
+    def numbers(values: Floats | None) -> Any:
         return None if values is None else tuple(values.tolist())
 
     spheres = zip(
@@ -327,15 +327,15 @@ def in_metres(fields: dict[str, Any]) -> Definition:
         band_names=fields['band_names'],
         s=None,
         heads=fields['heads'],
-        origin=columns(fields['origins']),
-        insertion=columns(fields['insertions']),
+        origin=curves(fields['origins']),
+        insertion=curves(fields['insertions']),
         sphere_frame=fields['sphere_frame'],
-        sphere_centre=columns(fields['sphere_centres']),
-        sphere_radius=Listed(listed(fields['sphere_radii'])),
-        ground_point=listed(fields['ground_point']),
-        humeral_point=listed(fields['humeral_point']),
-        plane_angle=Listed(listed(fields['plane_angles'])),
-        reference_normal=listed(fields['reference_normal']),
+        sphere_centre=curves(fields['sphere_centres']),
+        sphere_radius=Listed(numbers(fields['sphere_radii'])),
+        ground_point=numbers(fields['ground_point']),
+        humeral_point=numbers(fields['humeral_point']),
+        plane_angle=Listed(numbers(fields['plane_angles'])),
+        reference_normal=numbers(fields['reference_normal']),
         interference_spheres=tuple(
             Sphere(name, (x, y, z), radius) for name, (x, y, z), radius in spheres
         ),

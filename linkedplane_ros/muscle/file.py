@@ -20,7 +20,7 @@ from .definition import (
     Sphere,
 )
 from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, known_keys
-from .mapping import YamlMapping, kind_of
+from .mapping import YamlMapping, describe_kind
 
 
 @contextmanager
@@ -36,7 +36,7 @@ def name_keys(section: YamlMapping) -> Iterator[None]:
 
 def read_definition(file: YamlMapping) -> Definition:
     """Return the definition in a file's content; ModelError in one line for whatever is wrong."""
-    file.allow(*known_keys(''))
+    file.check_keys(*known_keys(''))
     if file.text('format') != FORMAT:
         raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')
     if file.content['version'] is not VERSION:
@@ -45,12 +45,12 @@ def read_definition(file: YamlMapping) -> Definition:
             f'{file.content["version"]!r} given, {VERSION} expected: the version of the format '
             'that this program reads',
         )
-    units = file.section('units')
-    units.allow(*known_keys('units'))
-    bands = file.section('bands')
-    bands.allow(*known_keys('bands'))
-    sphere = file.section('sphere')
-    sphere.allow(*known_keys('sphere'))
+    units = file.mapping('units')
+    units.check_keys(*known_keys('units'))
+    bands = file.mapping('bands')
+    bands.check_keys(*known_keys('bands'))
+    sphere = file.mapping('sphere')
+    sphere.check_keys(*known_keys('sphere'))
     frame = sphere.content['frame']
     with name_keys(file):
         return Definition(
@@ -82,8 +82,8 @@ def _read_s(bands: YamlMapping) -> Span | tuple[float, ...] | None:
         return None
     if isinstance(bands.content['s'], list):
         return bands.numbers('s')
-    span = bands.section('s')
-    span.allow(*known_keys('bands.s'))
+    span = bands.mapping('s')
+    span.check_keys(*known_keys('bands.s'))
     return Span(span.number('first'), span.number('last'))
 
 
@@ -93,27 +93,27 @@ def _read_curve(section: YamlMapping, key: str) -> Curve:
     if isinstance(value, list):
         return Polynomial(section.numbers(key))
     if isinstance(value, dict):
-        listed = section.section(key)
-        listed.allow(*known_keys('QUANTITY'))
+        listed = section.mapping(key)
+        listed.check_keys(*known_keys('QUANTITY'))
         return Listed(listed.numbers('list'))
     if isinstance(value, str) or value is None:
         raise section.fault(
             key,
             'a number, a list of numbers (coefficients in s) or {list: [...]} expected, '
-            f'{kind_of(value)} given',
+            f'{describe_kind(value)} given',
         )
     return Polynomial((section.number(key),))
 
 
 def _read_points(section: YamlMapping, key: str) -> Curves:
     """Return what is a curve for each of x, y and z or, after `list`, a list of points."""
-    points = section.section(key)
+    points = section.mapping(key)
     axes, whole = known_keys('POINTS')
     if 'list' in points:
-        points.allow(whole)
-        x, y, z = zip(*points.rows('list'), strict=True)
+        points.check_keys(whole)
+        x, y, z = zip(*points.points('list'), strict=True)
         return Listed(x), Listed(y), Listed(z)
-    points.allow(axes)
+    points.check_keys(axes)
     return _read_curve(points, 'x'), _read_curve(points, 'y'), _read_curve(points, 'z')
 
 
@@ -121,8 +121,8 @@ def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
     if 'heads' in file and file.content['heads'] == {}:
         raise file.fault('heads', 'at least one head expected, none given')
     heads = []
-    for name, entry in file.sections('heads'):
-        entry.allow(*known_keys('heads.NAME'))
+    for name, entry in file.mappings('heads'):
+        entry.check_keys(*known_keys('heads.NAME'))
         with name_keys(entry):
             heads.append(Head(name, entry.names('bands'), entry.text('represented_by')))
     return tuple(heads)
@@ -131,8 +131,8 @@ def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
 def read_interference_spheres(file: YamlMapping) -> tuple[Sphere, ...]:
     """Return the interference spheres of a file, in its unit of length."""
     spheres = []
-    for name, entry in file.sections('interference_spheres'):
-        entry.allow(*known_keys('interference_spheres.NAME'))
+    for name, entry in file.mappings('interference_spheres'):
+        entry.check_keys(*known_keys('interference_spheres.NAME'))
         with name_keys(entry):
             spheres.append(Sphere(name, entry.point('centre'), entry.number('radius')))
     return tuple(spheres)
@@ -140,8 +140,8 @@ def read_interference_spheres(file: YamlMapping) -> tuple[Sphere, ...]:
 
 def _read_landmarks(file: YamlMapping) -> tuple[Landmark, ...]:
     landmarks = []
-    for name, entry in file.sections('landmarks'):
-        entry.allow(*known_keys('landmarks.NAME'))
+    for name, entry in file.mappings('landmarks'):
+        entry.check_keys(*known_keys('landmarks.NAME'))
         with name_keys(entry):
             landmarks.append(Landmark(name, entry.content['bone'], entry.point('at')))
     return tuple(landmarks)
@@ -150,7 +150,7 @@ def _read_landmarks(file: YamlMapping) -> tuple[Landmark, ...]:
 def _read_range_of_motion(file: YamlMapping) -> tuple[Interval, Interval, Interval] | None:
     if 'range_of_motion' not in file:
         return None
-    section = file.section('range_of_motion')
-    section.allow(*known_keys('range_of_motion'))
+    section = file.mapping('range_of_motion')
+    section.check_keys(*known_keys('range_of_motion'))
     (a, b), (c, d), (e, f) = (section.numbers(coordinate, 2) for coordinate in COORDINATES)
     return (a, b), (c, d), (e, f)

@@ -12,7 +12,7 @@ import yaml
 from ..errors import ModelError
 
 
-class UniqueKeys(yaml.SafeLoader):
+class UniqueKeyLoader(yaml.SafeLoader):
     """YAML in which no key of a mapping may stand twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
@@ -41,7 +41,7 @@ def read_text(path: Path) -> str:
 def parse_yaml(file: str, text: str) -> YamlMapping:
     """Return the content of a file; ModelError if it is no YAML, or no mapping."""
     try:
-        content = yaml.load(text, UniqueKeys)
+        content = yaml.load(text, UniqueKeyLoader)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         mark = getattr(error, 'problem_mark', None)
         line = f' at line {mark.line + 1}' if mark else ''
@@ -59,7 +59,7 @@ class YamlMapping:
         if not isinstance(content, Mapping):
             where = path or 'the file'
             raise ModelError(
-                f'{file}: {where}: a mapping of keys expected, {kind_of(content)} given'
+                f'{file}: {where}: a mapping of keys expected, {describe_kind(content)} given'
             )
         self.content = content
 
@@ -68,14 +68,14 @@ class YamlMapping:
 
     def fault(self, key: str, reason: str) -> ModelError:
         """Return the error for one of the section's keys."""
-        return ModelError(f'{self.file}: {self.key(key)}: {reason}')
+        return ModelError(f'{self.file}: {self.full_key(key)}: {reason}')
 
-    def key(self, key: str) -> str:
+    def full_key(self, key: str) -> str:
         """Return the full, dotted name of a key."""
         shown = key if key.isprintable() else repr(key)
         return f'{self.path}.{shown}' if self.path else shown
 
-    def allow(self, required: Iterable[str], optional: Iterable[str] = ()) -> None:
+    def check_keys(self, required: Iterable[str], optional: Iterable[str] = ()) -> None:
         """Refuse missing and unknown keys."""
         required, optional = list(required), list(optional)
         for key in required:
@@ -86,22 +86,22 @@ class YamlMapping:
                 known = ', '.join(required + optional)
                 raise self.fault(str(key), f'unknown key; known here: {known}')
 
-    def section(self, key: str) -> YamlMapping:
+    def mapping(self, key: str) -> YamlMapping:
         """Return the mapping under a key."""
-        return YamlMapping(self.file, self.key(key), self.content[key])
+        return YamlMapping(self.file, self.full_key(key), self.content[key])
 
-    def sections(self, key: str) -> list[tuple[str, YamlMapping]]:
+    def mappings(self, key: str) -> list[tuple[str, YamlMapping]]:
         """Return the mappings under a key by their names; none where the key is not there."""
         if key not in self.content:
             return []
-        named = self.section(key)
-        return [(str(name), named.section(name)) for name in named.content]
+        named = self.mapping(key)
+        return [(str(name), named.mapping(name)) for name in named.content]
 
     def text(self, key: str) -> str:
         """Return the non-empty text under a key."""
         value = self.content[key]
         if not isinstance(value, str) or not value.strip():
-            given = repr(value) if isinstance(value, str) else kind_of(value)
+            given = repr(value) if isinstance(value, str) else describe_kind(value)
             raise self.fault(key, f'text expected, {given} given')
         return value.strip()
 
@@ -109,7 +109,7 @@ class YamlMapping:
         """Return the list of names under a key."""
         value = self.content[key]
         if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-            raise self.fault(key, f'a list of names expected, {kind_of(value)} given')
+            raise self.fault(key, f'a list of names expected, {describe_kind(value)} given')
         return tuple(value)
 
     def choice(self, key: str, choices: Iterable[str]) -> str:
@@ -132,19 +132,19 @@ class YamlMapping:
         x, y, z = self.numbers(key, 3)
         return x, y, z
 
-    def rows(self, key: str) -> list[tuple[float, ...]]:
+    def points(self, key: str) -> list[tuple[float, ...]]:
         """Return the list of points, three numbers each, under a key."""
         value = self.content[key]
         if not isinstance(value, list) or not value:
             raise self.fault(
-                key, f'a list of points, one for each band, expected, {kind_of(value)} given'
+                key, f'a list of points, one for each band, expected, {describe_kind(value)} given'
             )
         return [self._numbers(f'{key}[{i}]', row, 3) for i, row in enumerate(value)]
 
     def _numbers(self, key: str, value: Any, count: int | None) -> tuple[float, ...]:
         expected = f'a list of {count} numbers' if count else 'a list of numbers'
         if not isinstance(value, list) or not value or (count and len(value) != count):
-            given = f'a list of {len(value)}' if isinstance(value, list) else kind_of(value)
+            given = f'a list of {len(value)}' if isinstance(value, list) else describe_kind(value)
             raise self.fault(key, f'{expected} expected, {given} given')
         return tuple(self._number(f'{key}[{i}]', v) for i, v in enumerate(value))
 
@@ -161,7 +161,7 @@ class YamlMapping:
         return number
 
 
-def kind_of(value: Any) -> str:
+def describe_kind(value: Any) -> str:
     """Return what a value of a file is called in a message."""
     if value is None:
         return 'nothing'

@@ -25,7 +25,8 @@ from .definition import (
     Landmark,
     Listed,
     Sphere,
-    frames_of,
+    expand_frame,
+    multiply_point,
 )
 from .mapping import YamlMapping, parse_yaml, read_text
 from .validity import JOINT_CENTRE
@@ -71,13 +72,13 @@ class Scale:
         return f'{text}, {self.basis}' if self.basis else text
 
 
-def scale_of(given: float | str | Path | Sequence[float] | Scale, model: Definition) -> Scale:
+def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Definition) -> Scale:
     """Return a scale: a factor, 3 or 6 of them, the same as text, or a subject's file (.yaml)."""
     if isinstance(given, Scale):
         return given
     if isinstance(given, (str, Path)):
         if Path(given).suffix in ('.yaml', '.yml'):
-            return measured(parse_yaml(str(given), read_text(Path(given))), model)
+            return measure_scale(parse_yaml(str(given), read_text(Path(given))), model)
         try:
             factors = [float(part) for part in str(given).split(',')]
         except ValueError:
@@ -94,94 +95,90 @@ def scale_of(given: float | str | Path | Sequence[float] | Scale, model: Definit
     return Scale((x, y, z), (a, b, c))
 
 
-def scaled(model: Definition, scale: Scale) -> Definition:
+def scale_definition(model: Definition, scale: Scale) -> Definition:
     """Return a definition at another size."""
     if scale.uniform and scale.scapula[0] == 1.0:
         return model
     bones = {'scapula': scale.scapula, 'humerus': scale.humerus}
-    middle = mean(*scale.scapula, *scale.humerus)
+    middle = geometric_mean(*scale.scapula, *scale.humerus)
     frames = {'ground': scale.scapula, 'humerus': scale.humerus, 'moving': (middle,) * 3}
-    factors = [frames[frame] for frame in frames_of(model.sphere_frame, len(model.band_names))]
+    factors = [frames[frame] for frame in expand_frame(model.sphere_frame, len(model.band_names))]
     s = model.s_of_bands
     x, y, z = (
-        stretched(curve, [each[axis] for each in factors], s)
+        scale_curve(curve, [each[axis] for each in factors], s)
         for axis, curve in enumerate(model.sphere_centre)
     )
-    size = mean(*scale.scapula)
+    size = geometric_mean(*scale.scapula)
     n1, n2, n3 = (
         n * (size / f) for n, f in zip(model.reference_normal, scale.scapula, strict=True)
     )
     return replace(
         model,
         source=f'{model.source}; scaled {scale}',
-        origin=on_bone(model.origin, scale.scapula),
-        insertion=on_bone(model.insertion, scale.humerus),
+        origin=scale_attachments(model.origin, scale.scapula),
+        insertion=scale_attachments(model.insertion, scale.humerus),
         sphere_centre=(x, y, z),
-        sphere_radius=stretched(model.sphere_radius, [mean(*each) for each in factors], s),
-        ground_point=model.ground_point and times(model.ground_point, scale.scapula),
-        humeral_point=model.humeral_point and times(model.humeral_point, scale.humerus),
+        sphere_radius=scale_curve(
+            model.sphere_radius, [geometric_mean(*each) for each in factors], s
+        ),
+        ground_point=model.ground_point and multiply_point(model.ground_point, scale.scapula),
+        humeral_point=model.humeral_point and multiply_point(model.humeral_point, scale.humerus),
         reference_normal=(n1, n2, n3),
         interference_spheres=tuple(
-            Sphere(each.name, times(each.centre, scale.scapula), each.radius * size)
+            Sphere(each.name, multiply_point(each.centre, scale.scapula), each.radius * size)
             for each in model.interference_spheres
         ),
         landmarks=tuple(
-            Landmark(each.name, each.bone, times(each.at, bones[each.bone]))
+            Landmark(each.name, each.bone, multiply_point(each.at, bones[each.bone]))
             for each in model.landmarks
         ),
     )
 
 
-def mean(*factors: float) -> float:
+def geometric_mean(*factors: float) -> float:
     """Return the geometric mean; of equal factors, each of them to the bit."""
     if len(set(factors)) == 1:
         return factors[0]
     return float(np.exp(np.log(factors).mean()))
 
 
-def times(point: Point, factors: Point) -> Point:
-    """Return a point with each coordinate times its factor."""
-    x, y, z = (a * factor for a, factor in zip(point, factors, strict=True))
-    return x, y, z
-
-
-def on_bone(curves: Curves, factors: Point) -> Curves:
+def scale_attachments(curves: Curves, factors: Point) -> Curves:
     """Return attachments with each coordinate times its factor."""
-    x, y, z = (curve.times(factor) for curve, factor in zip(curves, factors, strict=True))
+    x, y, z = (curve.multiply(factor) for curve, factor in zip(curves, factors, strict=True))
     return x, y, z
 
 
-def stretched(curve: Curve, factors: list[float], s: Floats) -> Curve:
+def scale_curve(curve: Curve, factors: list[float], s: Floats) -> Curve:
     """Return a quantity times a factor for each band: a list, if they differ."""
     if len(set(factors)) == 1:
-        return curve.times(factors[0])
-    return Listed(tuple((curve.at(s) * factors).tolist()))
+        return curve.multiply(factors[0])
+    return Listed(tuple((curve.evaluate(s) * factors).tolist()))
 
 
-def measured(file: YamlMapping, model: Definition) -> Scale:
+def measure_scale(file: YamlMapping, model: Definition) -> Scale:
     """Return the factors that best take the model's landmarks to a subject's, by least squares.
 
     Points give a factor for each axis of their bone, distances one for the bone. A bone that was
     not measured takes the other's.
     """
-    file.allow(('format', 'version', 'units'), ('points', 'distances'))
+    file.check_keys(('format', 'version', 'units'), ('points', 'distances'))
     for key, expected in (('format', FORMAT), ('version', VERSION)):
         if file.content[key] != expected:
             raise file.fault(key, f'{file.content[key]!r} given, {expected!r} expected')
-    units = file.section('units')
-    units.allow(('length',))
+    units = file.mapping('units')
+    units.check_keys(('length',))
     metres = METRES[units.choice('length', METRES)] / METRES[model.length]
     if ('points' in file) == ('distances' in file):
         raise file.fault('points', 'or distances expected, one of the two')
     kind = 'points' if 'points' in file else 'distances'
-    pairs = list({'points': points, 'distances': distances}[kind](file, model))
+    pairs = list({'points': point_pairs, 'distances': distance_pairs}[kind](file, model))
     factors: dict[str, Point] = {}
     off: list[float] = []
     for bone in BONES:
         own = [(mine, theirs) for place, mine, theirs in pairs if place == bone]
         if own:
             mine, theirs = np.array([a for a, _ in own]), metres * np.array([b for _, b in own])
-            factors[bone] = fitted(mine, theirs, f'{file.file}: {bone}')
+            factors[bone] = fit_factors(mine, theirs, f'{file.file}: {bone}')
             off += np.square(theirs - mine * factors[bone][: mine.shape[1]]).ravel().tolist()
     rms = 1e3 * METRES[model.length] * math.sqrt(sum(off) / len(pairs))
     scapula = factors.get('scapula') or factors['humerus']
@@ -190,32 +187,32 @@ def measured(file: YamlMapping, model: Definition) -> Scale:
     return Scale(scapula, humerus, basis)
 
 
-def places(file: YamlMapping, model: Definition) -> dict[str, Landmark]:
+def landmarks_by_name(file: YamlMapping, model: Definition) -> dict[str, Landmark]:
     """Return the model's landmarks by their names."""
     if not model.landmarks:
         raise ModelError(f'{file.file}: the model {model.name} has no landmarks to measure by')
     return {each.name: each for each in model.landmarks}
 
 
-def points(file: YamlMapping, model: Definition) -> Iterator[Pair]:
+def point_pairs(file: YamlMapping, model: Definition) -> Iterator[Pair]:
     """Yield bone, the model's and the subject's place of each measured landmark."""
-    known, given = places(file, model), file.section('points')
-    given.allow((), known)
+    known, given = landmarks_by_name(file, model), file.mapping('points')
+    given.check_keys((), known)
     for name in given.content:
         yield known[name].bone, known[name].at, given.point(name)
     if not given.content:
         raise file.fault('points', 'none given; ' + ', '.join(known) + ' are known')
 
 
-def distances(file: YamlMapping, model: Definition) -> Iterator[Pair]:
+def distance_pairs(file: YamlMapping, model: Definition) -> Iterator[Pair]:
     """Yield bone, the model's and the subject's distance of each measured pair of landmarks."""
-    known = places(file, model)
+    known = landmarks_by_name(file, model)
     listed = file.content['distances']
     if not isinstance(listed, list) or not listed:
         raise file.fault('distances', 'a list of {from: ..., to: ..., length: ...} expected')
     for i, content in enumerate(listed):
         each = YamlMapping(file.file, f'distances[{i}]', content)
-        each.allow(('from', 'to', 'length'))
+        each.check_keys(('from', 'to', 'length'))
         ends = [each.choice(key, (*known, JOINT_CENTRE)) for key in ('from', 'to')]
         bones = {known[end].bone for end in ends if end != JOINT_CENTRE}
         if len(bones) != 1 or ends[0] == ends[1]:
@@ -225,7 +222,7 @@ def distances(file: YamlMapping, model: Definition) -> Iterator[Pair]:
         yield bones.pop(), (math.dist(one, other),), (each.number('length'),)
 
 
-def fitted(mine: Floats, theirs: Floats, where: str) -> Point:
+def fit_factors(mine: Floats, theirs: Floats, where: str) -> Point:
     """Return the factors of least squares that take `mine` (k, 3) or (k, 1) to `theirs`.
 
     An axis along which the landmarks hardly extend takes the mean of the others.
@@ -241,7 +238,7 @@ def fitted(mine: Floats, theirs: Floats, where: str) -> Point:
                 f"{where}: {factor:.3g} times the model's size by these measurements, "
                 f'{LEAST:g} to {MOST:g} expected; the unit, the axes?'
             )
-    whole = np.full(3, mean(*factors.tolist()))
+    whole = np.full(3, geometric_mean(*factors.tolist()))
     if mine.shape[1] == 3:
         whole[told] = factors
     x, y, z = whole.tolist()

@@ -54,14 +54,14 @@ def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
         raise FieldError(field, f'{twice[0]!r} stands twice; different names expected', owner)
 
 
-def as_text(field: str, value: Any) -> str:
+def require_text(field: str, value: Any) -> str:
     """Return text without the blanks around it; FieldError for anything else, and for none."""
     if not isinstance(value, str) or not value.strip():
         raise FieldError(field, f'text expected, {value!r} given')
     return value.strip()
 
 
-def as_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '') -> Floats:
+def require_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '') -> Floats:
     """Return a copy as an array of finite numbers of this shape; FieldError for anything else."""
     try:
         # None, too, is no number: NumPy alone would take it for NaN
@@ -80,15 +80,15 @@ def as_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '') ->
     return array
 
 
-def as_point(field: str, value: Any, owner: str) -> Point:
+def require_point(field: str, value: Any, owner: str) -> Point:
     """Return three finite numbers; FieldError for anything else."""
-    x, y, z = as_array(field, value, (3,), owner).tolist()
+    x, y, z = require_array(field, value, (3,), owner).tolist()
     return x, y, z
 
 
-def as_intervals(field: str, value: Any, names: Sequence[str]) -> Intervals:
+def require_intervals(field: str, value: Any, names: Sequence[str]) -> Intervals:
     """Return an interval for each name, rad; FieldError for anything else."""
-    limits: list[list[float]] = as_array(field, value, (len(names), 2)).tolist()
+    limits: list[list[float]] = require_array(field, value, (len(names), 2)).tolist()
     for name, (low, high) in zip(names, limits, strict=True):
         if low > high:
             given = f'{low:.6g} to {high:.6g} rad given'

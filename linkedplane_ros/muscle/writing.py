@@ -15,10 +15,10 @@ from .mapping import YamlMapping
 GEOMETRY = ('origin', 'insertion', 'sphere', 'plane_angle', 'reference_normal')
 
 
-def written(definition: Definition) -> str:
+def yaml_text(definition: Definition) -> str:
     """Return the text of a definition's file: what `read` gives back, to the bit."""
     text = yaml.safe_dump(
-        content(definition),
+        file_content(definition),
         sort_keys=False,
         default_flow_style=None,
         width=100,
@@ -27,7 +27,7 @@ def written(definition: Definition) -> str:
     return str(text)
 
 
-def content(definition: Definition) -> dict[str, Any]:
+def file_content(definition: Definition) -> dict[str, Any]:
     """Return a definition as the mapping that its file holds."""
     sphere: dict[str, Any] = {
         'frame': _plain(definition.sphere_frame),
@@ -96,13 +96,13 @@ def _points_content(curves: Curves) -> dict[str, Any]:
 
 def coefficients(definition: Definition) -> dict[str, float]:
     """Return every number of the geometry by its place in the file, as `sphere.centre.x[0]`."""
-    stated = content(definition)
+    stated = file_content(definition)
     return dict(item for key in GEOMETRY for item in _numbers(key, stated[key]))
 
 
-def with_coefficients(definition: Definition, values: Mapping[str, float]) -> YamlMapping:
+def replace_coefficients(definition: Definition, values: Mapping[str, float]) -> YamlMapping:
     """Return a definition's content with other numbers in these places; ModelError for others."""
-    stated = content(definition)
+    stated = file_content(definition)
     known = coefficients(definition)
     for place, value in values.items():
         if place not in known:

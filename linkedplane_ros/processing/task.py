@@ -177,7 +177,7 @@ def _run(task: Task, progress: Progress) -> Report:
                 each = solved(chunk, solver, convention, motion.refused)
                 out.write(each)
                 frames += len(each.chunk.stamps)
-                outside += muscle.outside(each.states.rotation)
+                outside += muscle.count_outside_range(each.states.rotation)
                 progress(frames, chunk.share)
         if not frames:
             first = next(iter(motion.refused.first.values()), 'no frames in it')

@@ -39,7 +39,7 @@ def spheres(muscle: BroadMuscle) -> Iterator[str]:
         'ground': 'on the scapula',
         'humerus': 'on the humerus',
     }
-    shared = muscle.sharers()
+    shared = muscle.bands_by_sphere()
     for frame, place in places.items():
         bands = [each for first, each in shared.items() if muscle.sphere_frames[first] == frame]
         if bands:
@@ -60,7 +60,7 @@ def bands(muscle: BroadMuscle) -> Iterator[str]:
             for point in (muscle.origins, muscle.insertions)
         )
         phi = 'theta' if i == 0 else f'{muscle.plane_angles[i]:.3f}'
-        yield (f'{band:<14}{muscle.head_of(band):<12}{origin:>24}{insertion:>24}'
+        yield (f'{band:<14}{muscle.find_head(band):<12}{origin:>24}{insertion:>24}'
                f'{1e3 * muscle.sphere_radii[i]:8.1f}{phi:>8}{1e3 * state.lengths[i]:8.1f}'
                f'  {WrapState(state.wrap[i]).name.lower()}')  # fmt: skip
     yield ''

@@ -56,7 +56,7 @@ def of_whole_span(muscle: BroadMuscle) -> Attachments:
         return of_bands(muscle)
     first, last = (0.0, 1.0) if is_published(muscle) else definition.s_of_bands[[0, -1]].tolist()
     s = np.linspace(first, last, SPAN)
-    points = METRES[definition.length] * np.array([curve.at(s) for curve in curves])
+    points = METRES[definition.length] * np.array([curve.evaluate(s) for curve in curves])
     return Attachments(s, points[:3].T, points[3:].T)
 
 

@@ -139,16 +139,16 @@ def with_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
     ModelError names the file and the key of a fault.
     """
     file = parse_yaml(str(path), read_text(Path(path)))
-    file.allow(('units', 'interference_spheres'))
-    units = file.section('units')
-    units.allow(('length',))
+    file.check_keys(('units', 'interference_spheres'))
+    units = file.mapping('units')
+    units.check_keys(('length',))
     metres = METRES[units.choice('length', METRES)]
     spheres = read_interference_spheres(file)
     if not spheres:
         raise file.fault('interference_spheres', 'at least one sphere expected')
     for sphere in spheres:
         if sphere.name in muscle.interference_names:
-            there = file.section('interference_spheres')
+            there = file.mapping('interference_spheres')
             raise there.fault(sphere.name, 'the model has one of this name')
     centres = metres * np.array([sphere.centre for sphere in spheres])
     radii = metres * np.array([sphere.radius for sphere in spheres])

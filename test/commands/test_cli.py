@@ -49,7 +49,7 @@ def test_info_shows_every_band_with_its_ends_its_sphere_and_its_length(
     found = rows(text)
     assert tuple(found) == DELTOID.band_names
     for i, (band, (head, *words, wrap)) in enumerate(found.items()):
-        assert head == DELTOID.head_of(band)
+        assert head == DELTOID.find_head(band)
         assert wrap == WrapState(state.wrap[i]).name.lower()
         numbers = [float('nan') if word == 'theta' else float(word) for word in words]
         ends = 1e3 * np.concatenate((DELTOID.origins[i], DELTOID.insertions[i]))

@@ -13,7 +13,7 @@ from linkedplane_ros.fit.parameters import Bound, Space, chosen, flat_numbers, p
 from linkedplane_ros.muscle.definition import Definition, Head
 
 DELTOID = BroadMuscle.load('deltoid').definition
-LISTED = BroadMuscle(**DELTOID.evaluated).definition  # the same muscle as lists
+LISTED = BroadMuscle(**DELTOID.muscle_fields).definition  # the same muscle as lists
 ROUNDING = 1e-12  # of numbers up to 3e4, as those of the origin
 
 
@@ -81,7 +81,7 @@ def test_a_whole_curve_is_sought_by_its_values_along_s() -> None:
     ]
     x = somewhere(found)
     model = rebuilt(DELTOID, found, x)
-    assert model.sphere_radius.at(np.array([0.10, 0.85])) == pytest.approx(x[[0, -1]])
+    assert model.sphere_radius.evaluate(np.array([0.10, 0.85])) == pytest.approx(x[[0, -1]])
 
 
 def test_without_a_bound_no_value_at_a_band_moves_farther_than_the_reach() -> None:

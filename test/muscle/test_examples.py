@@ -43,11 +43,11 @@ def test_the_examples_show_the_variations() -> None:
     shared, on_humerus = (BroadMuscle.load(name).definition for name in EXAMPLES)
     assert shared.s is None
     assert shared.sphere_frame == 'ground'
-    assert len(BroadMuscle.load(EXAMPLES[0]).sharers()) == 1
+    assert len(BroadMuscle.load(EXAMPLES[0]).bands_by_sphere()) == 1
     assert all(isinstance(curve, Listed) for curve in (*shared.origin, *shared.insertion))
     assert shared.plane_angle == Polynomial((40.0,))
     assert on_humerus.sphere_frame == 'humerus'
-    assert len(BroadMuscle.load(EXAMPLES[1]).sharers()) == 6
+    assert len(BroadMuscle.load(EXAMPLES[1]).bands_by_sphere()) == 6
     assert isinstance(on_humerus.s, tuple)
     assert isinstance(on_humerus.origin[0], Polynomial)
     assert isinstance(on_humerus.plane_angle, Listed)
@@ -123,7 +123,7 @@ def test_an_example_runs_through_the_node(name: str, tmp_path: Path, ros: Any) -
         np.testing.assert_allclose(bands.velocity, -arms @ (0.1, -0.2, 0.3), atol=EXACT)
         assert list(wrap.data) == state.wrap.tolist()
         spheres = [m for m in peer.got['markers'][k + 1].markers if m.ns == 'obstacle_spheres']
-        assert [m.id for m in spheres] == list(muscle.sharers())
+        assert [m.id for m in spheres] == list(muscle.bands_by_sphere())
         for marker in spheres:
             place = marker.pose.position
             want = state.sphere_centres[marker.id]

@@ -75,7 +75,7 @@ def test_the_deltoids_heads_are_those_the_thesis_compares() -> None:
     order = [muscle.band_names.index(represented[name]) for name in ('anterior', 'middle')]
     assert order == [1, 3]
     assert muscle.band_names.index(represented['posterior']) == 7
-    assert muscle.head_of('posterior_3') == 'posterior'
+    assert muscle.find_head('posterior_3') == 'posterior'
 
 
 def test_the_deltoids_interference_spheres_are_those_of_table_5_1() -> None:

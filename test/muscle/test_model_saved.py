@@ -161,7 +161,7 @@ def test_muscles_that_differ_in_anything_are_not_equal(change: dict) -> None:
 def test_a_muscle_without_heads_is_its_own_only_head() -> None:
     muscle = replace(DELTOID, heads=())
     assert muscle.heads == (Head('deltoid', DELTOID.band_names, 'middle_2'),)
-    assert muscle.head_of('anterior_1') == 'deltoid'
+    assert muscle.find_head('anterior_1') == 'deltoid'
 
 
 def test_a_muscle_is_made_of_what_it_takes_and_no_more(tmp_path: Path) -> None:

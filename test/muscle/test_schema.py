@@ -14,7 +14,7 @@ from linkedplane_ros import BroadMuscle
 from linkedplane_ros.muscle.broad_muscle import bundled_models
 from linkedplane_ros.muscle.keys import KEYS, TYPES, known_keys
 from linkedplane_ros.muscle.schema import FILE, json_schema, schema_text
-from linkedplane_ros.muscle.writing import content as stated
+from linkedplane_ros.muscle.writing import file_content
 
 jsonschema = pytest.importorskip('jsonschema')
 
@@ -49,7 +49,7 @@ def test_every_bundled_model_is_valid_and_names_the_schema(name: str) -> None:
 
 @pytest.mark.parametrize('case', MUSCLES)
 def test_what_is_written_is_valid(case: str) -> None:
-    assert faults(stated(MUSCLES[case]().definition)) == []
+    assert faults(file_content(MUSCLES[case]().definition)) == []
 
 
 @pytest.mark.parametrize('key', REQUIRED)
@@ -93,7 +93,7 @@ def test_every_key_has_a_type_and_a_meaning() -> None:
 
 @pytest.mark.parametrize('name', bundled_models())
 def test_what_is_written_has_every_needed_key_and_no_unknown_one(name: str) -> None:
-    written = stated(BroadMuscle.load(name).definition)
+    written = file_content(BroadMuscle.load(name).definition)
     needed, others = known_keys('')
     assert set(needed) <= set(written) <= {*needed, *others}
 

@@ -129,7 +129,7 @@ def test_a_field_that_cannot_be_is_named_with_its_value_and_what_is_expected(
 
 
 def test_a_muscle_made_anew_is_checked_as_one_that_is_changed() -> None:
-    fields = DELTOID.definition.evaluated
+    fields = DELTOID.definition.muscle_fields
     assert BroadMuscle(**fields) == replace(DELTOID, stated=None)
     with pytest.raises(ModelError, match=r'sphere_radii: -0\.03\d* m for band anterior_1'):
         BroadMuscle(**{**fields, 'sphere_radii': -fields['sphere_radii']})

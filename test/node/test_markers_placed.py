@@ -85,10 +85,10 @@ def test_the_strip_of_a_band_is_its_path(side: LinkedPlaneSolver, points: int) -
 def test_bands_and_their_ends_and_spheres_have_the_colour_of_their_head() -> None:
     array = next(states_with_markers(RIGHT))[1]
     colours = head_colours(DELTOID)
-    by_head = {DELTOID.head_of(band): colours[i] for i, band in enumerate(DELTOID.band_names)}
+    by_head = {DELTOID.find_head(band): colours[i] for i, band in enumerate(DELTOID.band_names)}
     assert len(set(by_head.values())) == len(DELTOID.heads) == 3
     for i, band in enumerate(DELTOID.band_names):
-        want = by_head[DELTOID.head_of(band)]
+        want = by_head[DELTOID.find_head(band)]
         # a colour is stored in single precision
         assert rgb(in_namespace(array, 'bands')[i]) == pytest.approx(want, abs=1e-6)
         assert rgb(in_namespace(array, 'obstacle_spheres')[i]) == pytest.approx(want, abs=1e-6)

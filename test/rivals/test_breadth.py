@@ -100,7 +100,7 @@ def test_no_step_of_a_sweep_is_longer_than_asked_for() -> None:
 
 def test_random_ways_stay_in_the_range_of_motion_and_are_the_same_every_time() -> None:
     ways = random_ways(DELTOID, 5, seed=3)
-    assert DELTOID.outside(np.concatenate(ways)) == 0
+    assert DELTOID.count_outside_range(np.concatenate(ways)) == 0
     for way, again in zip(ways, random_ways(DELTOID, 5, seed=3), strict=True):
         np.testing.assert_array_equal(way, again)
     assert not np.array_equal(ways[0], random_ways(DELTOID, 1, seed=4)[0])

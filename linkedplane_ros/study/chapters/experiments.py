@@ -141,7 +141,7 @@ def _rows(one: Experiment) -> list[tuple[Cell, ...]]:
             round(DEGREES * one.angles[at]),
             DEGREES * float(one.states.theta[at]),
             band,
-            muscle.head_of(band),
+            muscle.find_head(band),
             MILLIMETRES * float(one.lengths[at, k]),
             MILLIMETRES * float(one.arms[at, k]),
             MILLIMETRES * float(cubic[at, k]),
