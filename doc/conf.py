@@ -44,10 +44,18 @@ nitpick_ignore_regex = [
 ]
 
 html_theme = 'furo'
+html_theme_options: dict[str, str] = {}
 html_static_path = ['static']
 html_css_files = ['pages.css']
 html_title = f'{project} {release}'
 rosdoc2_settings = {'override_theme': False}
+exclude_patterns = [
+    'index.rst',
+    'README.md',
+    'CONTRIBUTING.md',
+    'CHANGELOG.rst',
+    '__*.rst',
+]  # rosdoc2's
 
 
 def as_on_github(app: Any, page: str, source: list[str]) -> None:
@@ -71,9 +79,10 @@ def numbered(app: Any, page: nodes.document) -> None:
 
 def neighbours(app: Any) -> None:
     """Give the copy of this folder that rosdoc2 builds what pages link to outside of it."""
-    for place in (Path(app.srcdir).parent / path.name for path in TOP.iterdir()):
-        if (place.suffix == '.md' or place.name == project) and not place.exists():
-            place.symlink_to(TOP / place.name)
+    for name in ('CONTRIBUTING.md', 'config', project):
+        place = Path(app.srcdir).parent / name
+        if not place.exists():
+            place.symlink_to(TOP / name)
 
 
 def whole(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
