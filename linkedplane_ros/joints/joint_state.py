@@ -10,14 +10,25 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from ..errors import LinkedPlaneError
 from ..types import Triple
 
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
-FASTEST = 1e9  # rad/s: no velocity; of a few more digits an answer could not be told
+FASTEST = 1e9  # rad/s: beyond, no velocity of a joint; answers to it would lose their last digits
+REASONS = ('sizes', 'no_joint', 'not_finite', 'degrees', 'incomplete', 'no_plane')
 
 
-class Rejected(ValueError):
-    """A message that is not answered; `reason` is the name it is counted under."""
+class Rejected(LinkedPlaneError):
+    """A message that is not answered.
+
+    Parameters
+    ----------
+    reason
+        The name it is counted under, one of REASONS.
+    text
+        The line that explains it.
+
+    """
 
     def __init__(self, reason: str, text: str) -> None:
         """Keep the reason beside the line that explains it."""
@@ -25,27 +36,35 @@ class Rejected(ValueError):
         self.reason = reason
 
 
-REASONS = ('sizes', 'no_joint', 'not_finite', 'degrees', 'incomplete', 'no_plane')
-
-
 @dataclass(frozen=True)
 class JointMap:
-    """Which joints are the convention's coordinates: angle = sign * position + offset (rad)."""
+    """Which joints are the convention's coordinates: angle = sign * position + offset.
+
+    Raises
+    ------
+    LinkedPlaneError
+        Unless there are 3 different joints, and finite signs and offsets.
+
+    """
 
     names: tuple[str, str, str]
+    """The joints, in the order of the convention's coordinates."""
     signs: Triple
     offsets: Triple
+    """rad"""
 
     def __post_init__(self) -> None:
-        """Refuse what is no mapping."""
+        """Check the joints."""
         if len(set(self.names)) < 3:
-            raise ValueError(f'joints {", ".join(self.names)}: 3 different joints expected')
+            raise LinkedPlaneError(f'joints {", ".join(self.names)}: 3 different joints expected')
         if not all(map(math.isfinite, (*self.signs, *self.offsets))):
-            raise ValueError(f'signs {self.signs}, offsets {self.offsets}: finite numbers expected')
+            raise LinkedPlaneError(
+                f'signs {self.signs}, offsets {self.offsets}: finite numbers expected'
+            )
 
     @staticmethod
-    def of_facts(facts: Mapping[str, str]) -> JointMap:
-        """Return the mapping that an output's metadata tells; KeyError or ValueError for none."""
+    def from_facts(facts: Mapping[str, str]) -> JointMap:
+        """Return the mapping that an output's metadata has; KeyError or ValueError for none."""
         a, b, c = json.loads(facts['joints'])
         i, j, k = map(float, facts['joint_signs'].split())
         x, y, z = map(float, facts['joint_offsets_rad'].split())
@@ -53,7 +72,7 @@ class JointMap:
 
     @property
     def facts(self) -> dict[str, str]:
-        """How angles are made of the recorded, for an output's metadata."""
+        """How angles are made of the recorded positions, for an output's metadata."""
         return {
             'joints': json.dumps(self.names),
             'joint_signs': ' '.join(f'{sign:g}' for sign in self.signs),
@@ -67,29 +86,52 @@ class JointMemory:
 
     joints: JointMap
     positions: dict[str, float] = field(default_factory=dict)
+    """rad, by the joint's name."""
     velocities: dict[str, float] = field(default_factory=dict)
+    """rad/s, by the joint's name."""
     _names: list[str] = field(default_factory=list)
     _places: list[tuple[str, int]] = field(default_factory=list)
 
-    def take(
+    def take_message(
         self, names: Sequence[str], positions: Sequence[float], velocities: Sequence[float]
     ) -> tuple[Triple, Triple | None, str]:
-        """Take one message in; return angles (3) rad, velocities (3) rad/s or None, a warning.
+        """Take one message in, and return the joints as they are then.
 
-        The velocities are None where the message has none, or unusable ones (the warning then says
-        which; it is empty otherwise). Raises Rejected and remembers nothing where the message as a
-        whole is no good, and where not all three joints have been seen ('incomplete').
+        Parameters
+        ----------
+        names
+            (k) any joints, in any order; of a name that stands twice the last counts.
+        positions
+            (k) rad
+        velocities
+            (k) rad/s, or none at all.
+
+        Returns
+        -------
+        angles : Triple
+            rad, the coordinates of the convention.
+        velocities : Triple or None
+            rad/s; None where one of the three is not known for the newest position.
+        warning : str
+            Why the message's velocities were left out; empty where they were not.
+
+        Raises
+        ------
+        Rejected
+            Where the message cannot be used, which then changes nothing; and where not all three
+            joints have been seen so far ('incomplete').
+
         """
         if len(names) != len(positions):
             raise Rejected(
                 'sizes', f'{len(names)} names but {len(positions)} positions; one each expected'
             )
-        places = self._places_in(names)
+        places = self._find_places(names)
         fresh = {name: positions[i] for name, i in places}
         for name, q in fresh.items():
-            if not abs(q) <= FULL_CIRCLE:  # nor is NaN
-                raise self._no_angle(name, q)
-        rates, warning = self._rates(len(names), velocities, places)
+            if not abs(q) <= FULL_CIRCLE:  # also rejects NaN
+                raise _angle_fault(name, q)
+        rates, warning = _usable_velocities(len(names), velocities, places)
         self.positions.update(fresh)
         if len(rates) < len(fresh):  # a velocity is no older than the position it came with
             for name in fresh:
@@ -105,43 +147,43 @@ class JointMemory:
             return angles, None, warning
         return angles, (i * speeds[a], j * speeds[b], k * speeds[c]), warning
 
-    def _places_in(self, names: Sequence[str]) -> list[tuple[str, int]]:
+    def _find_places(self, names: Sequence[str]) -> list[tuple[str, int]]:
         """Return where the joints stand among the names, the last of a name that stands twice."""
         if names != self._names:
             last = {name: i for i, name in enumerate(names)}
-            found = [(name, last[name]) for name in self.joints.names if name in last]
-            if not found:
+            places = [(name, last[name]) for name in self.joints.names if name in last]
+            if not places:
                 raise Rejected(
                     'no_joint',
                     f'none of the joints {", ".join(self.joints.names)} in it, but '
-                    f'{listed(names)}; set joint_names or joint_convention',
+                    f'{summarize_names(names)}; set joint_names or joint_convention',
                 )
-            self._names, self._places = list(names), found
+            self._names, self._places = list(names), places
         return self._places
 
-    def _no_angle(self, name: str, q: float) -> Rejected:
-        if not math.isfinite(q):
-            return Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
-        return Rejected(
-            'degrees', f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)'
-        )
 
-    def _rates(
-        self, count: int, velocities: Sequence[float], places: list[tuple[str, int]]
-    ) -> tuple[dict[str, float], str]:
-        """Return the joints' velocities, none where they cannot be used, and then why."""
-        if not len(velocities):
-            return {}, ''
-        if count != len(velocities):
-            return {}, f'velocities left out: {len(velocities)} for {count} names'
-        rates = {name: velocities[i] for name, i in places}
-        for name, v in rates.items():
-            if not abs(v) <= FASTEST:  # nor is NaN
-                return {}, f'velocities left out: that of joint {name!r} is {v}'
-        return rates, ''
+def _angle_fault(name: str, q: float) -> Rejected:
+    if not math.isfinite(q):
+        return Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
+    return Rejected('degrees', f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)')
 
 
-def listed(names: Sequence[str], most: int = 6) -> str:
+def _usable_velocities(
+    count: int, velocities: Sequence[float], places: list[tuple[str, int]]
+) -> tuple[dict[str, float], str]:
+    """Return the joints' velocities, none where they cannot be used, and then why."""
+    if not len(velocities):
+        return {}, ''
+    if count != len(velocities):
+        return {}, f'velocities left out: {len(velocities)} for {count} names'
+    rates = {name: velocities[i] for name, i in places}
+    for name, v in rates.items():
+        if not abs(v) <= FASTEST:  # also rejects NaN
+            return {}, f'velocities left out: that of joint {name!r} is {v}'
+    return rates, ''
+
+
+def summarize_names(names: Sequence[str], most: int = 6) -> str:
     """Return the first few names as text."""
     if not len(names):
         return 'no joint at all'

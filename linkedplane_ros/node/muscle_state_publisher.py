@@ -146,7 +146,7 @@ class MuscleStatePublisher(Node):
         """Let each muscle answer one joint state, or log why it is rejected."""
         start = perf_counter()
         try:
-            angles, speeds, warning = self._memory.take(
+            angles, speeds, warning = self._memory.take_message(
                 message.name, message.position, message.velocity
             )
         except Rejected as error:

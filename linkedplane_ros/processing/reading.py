@@ -82,7 +82,7 @@ def from_bag(path: Path) -> ProcessedRecording:
         joints = JointMap((a, b, c), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
         topic = facts['angles_topic']
         if not topic:
-            topic, joints = facts['topic'], JointMap.of_facts(facts)
+            topic, joints = facts['topic'], JointMap.from_facts(facts)
     except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
         raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
     return assembled(

@@ -73,7 +73,7 @@ class JointFrameReader:
 
     def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
         """Yield the one frame of a message."""
-        angles, speeds, _ = self.memory.take(
+        angles, speeds, _ = self.memory.take_message(
             message.name, message.position.tolist(), message.velocity.tolist()
         )
         stamp = message.header.stamp

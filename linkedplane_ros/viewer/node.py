@@ -124,7 +124,9 @@ class MuscleReader:
         if self._memory is None:
             return
         with suppress(Rejected):
-            angles, _, _ = self._memory.take(message.name, message.position, message.velocity)
+            angles, _, _ = self._memory.take_message(
+                message.name, message.position, message.velocity
+            )
             self._poses[message.header.stamp.sec, message.header.stamp.nanosec] = np.array(angles)
             self._pending['angles'] = np.array(angles)
         while len(self._poses) > POSES_KEPT:

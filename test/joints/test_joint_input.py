@@ -12,7 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from unhurried import unhurried
 
-from linkedplane_ros.joints.joint_state import REASONS, JointMap, JointMemory, Rejected, listed
+from linkedplane_ros.joints.joint_state import (
+    REASONS,
+    JointMap,
+    JointMemory,
+    Rejected,
+    summarize_names,
+)
 
 NAMES = ('flexion', 'abduction', 'rotation')
 PLAIN = JointMap(NAMES, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
@@ -27,7 +33,7 @@ def memory() -> JointMemory:
 def refusal(memory: JointMemory, *message: Any) -> tuple[str, str]:
     """Return the reason and the line of a message that must be refused."""
     with pytest.raises(Rejected) as caught:
-        memory.take(*message)
+        memory.take_message(*message)
     assert caught.value.reason in REASONS
     assert '\n' not in str(caught.value)
     return caught.value.reason, str(caught.value)
@@ -35,7 +41,7 @@ def refusal(memory: JointMemory, *message: Any) -> tuple[str, str]:
 
 def test_an_angle_is_sign_times_position_plus_offset() -> None:
     memory = JointMemory(JointMap(NAMES, (1.0, -1.0, -1.0), (0.5, 0.0, -0.25)))
-    angles, speeds, warning = memory.take(NAMES, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0))
+    angles, speeds, warning = memory.take_message(NAMES, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0))
     assert angles == (0.1 + 0.5, -0.2, -0.3 - 0.25)
     assert speeds is not None
     assert speeds == (1.0, -2.0, -3.0)
@@ -47,7 +53,7 @@ def test_the_order_of_the_joints_does_not_matter(
     memory: JointMemory, order: tuple[int, ...]
 ) -> None:
     position, velocity = (0.1, 0.2, 0.3), (1.0, 2.0, 3.0)
-    angles, speeds, _ = memory.take(
+    angles, speeds, _ = memory.take_message(
         *([values[k] for k in order] for values in (NAMES, position, velocity))
     )
     assert angles == (0.1, 0.2, 0.3)
@@ -57,7 +63,7 @@ def test_the_order_of_the_joints_does_not_matter(
 
 def test_other_joints_do_not_matter_whatever_their_values(memory: JointMemory) -> None:
     names = ('elbow', 'rotation', 'wrist', 'abduction', 'flexion', 'thumb')
-    angles, speeds, warning = memory.take(
+    angles, speeds, warning = memory.take_message(
         names, (math.nan, 0.3, 900.0, 0.2, 0.1, -math.inf), (math.nan, 3.0, math.inf, 2.0, 1.0, 0.0)
     )
     assert angles == (0.1, 0.2, 0.3)
@@ -68,7 +74,9 @@ def test_other_joints_do_not_matter_whatever_their_values(memory: JointMemory) -
 
 def test_of_a_joint_that_stands_twice_the_last_value_counts(memory: JointMemory) -> None:
     names = ('flexion', *NAMES)
-    angles, speeds, _ = memory.take(names, (math.nan, 0.1, 0.2, 0.3), (math.inf, 1.0, 2.0, 3.0))
+    angles, speeds, _ = memory.take_message(
+        names, (math.nan, 0.1, 0.2, 0.3), (math.inf, 1.0, 2.0, 3.0)
+    )
     assert angles == (0.1, 0.2, 0.3)
     assert speeds is not None
     assert speeds == (1.0, 2.0, 3.0)
@@ -76,7 +84,7 @@ def test_of_a_joint_that_stands_twice_the_last_value_counts(memory: JointMemory)
 
 
 def test_the_arrays_of_a_ros_message_are_taken_as_they_are(memory: JointMemory) -> None:
-    angles, speeds, _ = memory.take(list(NAMES), array('d', (0.1, 0.2, 0.3)), array('d'))
+    angles, speeds, _ = memory.take_message(list(NAMES), array('d', (0.1, 0.2, 0.3)), array('d'))
     assert angles == (0.1, 0.2, 0.3)
     assert speeds is None
 
@@ -117,9 +125,9 @@ def test_a_refused_message_changes_nothing_that_is_remembered(
     positions: tuple[float, ...],
     line: str,
 ) -> None:
-    memory.take(NAMES, (0.4, 0.5, 0.6), (4.0, 5.0, 6.0))
+    memory.take_message(NAMES, (0.4, 0.5, 0.6), (4.0, 5.0, 6.0))
     refusal(memory, names, positions, (9.0,) * len(names))
-    angles, speeds, _ = memory.take(('flexion',), (0.4,), (4.0,))
+    angles, speeds, _ = memory.take_message(('flexion',), (0.4,), (4.0,))
     assert angles == (0.4, 0.5, 0.6)
     assert speeds is not None
     assert speeds == (4.0, 5.0, 6.0)
@@ -127,14 +135,14 @@ def test_a_refused_message_changes_nothing_that_is_remembered(
 
 def test_a_full_turn_is_still_an_angle(memory: JointMemory) -> None:
     turn = 2.0 * math.pi
-    assert memory.take(NAMES, (turn, -turn, 0.0), ())[0] == (turn, -turn, 0.0)
+    assert memory.take_message(NAMES, (turn, -turn, 0.0), ())[0] == (turn, -turn, 0.0)
     beyond = math.nextafter(turn, 7.0)
     assert refusal(memory, NAMES, (0.0, 0.0, beyond), ())[0] == 'degrees'
 
 
 def test_an_offset_does_not_make_an_angle_look_like_degrees() -> None:
     memory = JointMemory(JointMap(NAMES, (1.0, 1.0, 1.0), (6.0, 0.0, 0.0)))
-    assert memory.take(NAMES, (1.0, 0.0, 0.0), ())[0] == (7.0, 0.0, 0.0)
+    assert memory.take_message(NAMES, (1.0, 0.0, 0.0), ())[0] == (7.0, 0.0, 0.0)
 
 
 def test_joints_split_over_messages_are_answered_once_all_three_are_known(
@@ -148,28 +156,28 @@ def test_joints_split_over_messages_are_answered_once_all_three_are_known(
         'incomplete',
         "waiting for joint 'abduction', not seen so far",
     )
-    assert memory.take(('abduction',), (0.2,), ())[0] == (0.1, 0.2, 0.3)
-    assert memory.take(('rotation', 'flexion'), (0.6, 0.4), ())[0] == (0.4, 0.2, 0.6)
+    assert memory.take_message(('abduction',), (0.2,), ())[0] == (0.1, 0.2, 0.3)
+    assert memory.take_message(('rotation', 'flexion'), (0.6, 0.4), ())[0] == (0.4, 0.2, 0.6)
 
 
 def test_velocities_split_over_messages_are_known_once_all_three_are(memory: JointMemory) -> None:
     refusal(memory, ('flexion',), (0.1,), (1.0,))
     refusal(memory, ('abduction',), (0.2,), (2.0,))
-    _, speeds, _ = memory.take(('rotation',), (0.3,), (3.0,))
+    _, speeds, _ = memory.take_message(('rotation',), (0.3,), (3.0,))
     assert speeds is not None
     assert speeds == (1.0, 2.0, 3.0)
 
 
 def test_velocities_of_two_joints_alone_are_none(memory: JointMemory) -> None:
-    memory.take(NAMES, (0.1, 0.2, 0.3), ())
-    assert memory.take(('flexion', 'rotation'), (0.1, 0.3), (1.0, 3.0))[1] is None
+    memory.take_message(NAMES, (0.1, 0.2, 0.3), ())
+    assert memory.take_message(('flexion', 'rotation'), (0.1, 0.3), (1.0, 3.0))[1] is None
 
 
 def test_a_message_without_velocities_has_none_though_earlier_ones_had(
     memory: JointMemory,
 ) -> None:
-    memory.take(NAMES, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0))
-    angles, speeds, warning = memory.take(NAMES, (0.4, 0.5, 0.6), ())
+    memory.take_message(NAMES, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0))
+    angles, speeds, warning = memory.take_message(NAMES, (0.4, 0.5, 0.6), ())
     assert angles == (0.4, 0.5, 0.6)
     assert speeds is None
     assert warning == ''
@@ -188,13 +196,13 @@ def test_a_message_without_velocities_has_none_though_earlier_ones_had(
 def test_unusable_velocities_are_left_out_with_a_warning_and_not_remembered(
     memory: JointMemory, velocities: tuple[float, ...], line: str
 ) -> None:
-    memory.take(NAMES, (0.1, 0.2, 0.3), (7.0, 8.0, 9.0))
-    angles, speeds, warning = memory.take(NAMES, (0.4, 0.5, 0.6), velocities)
+    memory.take_message(NAMES, (0.1, 0.2, 0.3), (7.0, 8.0, 9.0))
+    angles, speeds, warning = memory.take_message(NAMES, (0.4, 0.5, 0.6), velocities)
     assert angles == (0.4, 0.5, 0.6)
     assert speeds is None
     assert warning == line
     # a velocity is no older than the position that it came with
-    assert memory.take(('flexion',), (0.4,), (6.0,))[1] is None
+    assert memory.take_message(('flexion',), (0.4,), (6.0,))[1] is None
 
 
 @pytest.mark.parametrize(
@@ -207,7 +215,7 @@ def test_unusable_velocities_are_left_out_with_a_warning_and_not_remembered(
     ],
 )
 def test_a_list_of_names_is_cut_short(count: int, text: str) -> None:
-    assert listed('abcdefgh'[:count]) == text
+    assert summarize_names('abcdefgh'[:count]) == text
 
 
 numbers = st.one_of(
@@ -233,7 +241,7 @@ def test_no_message_raises_anything_but_a_refusal_or_gives_what_is_not_finite(
     memory = JointMemory(JointMap(NAMES, (1.0, -1.0, 1.0), (0.1, 0.0, -3.0)))
     for message in sent:
         try:
-            angles, speeds, warning = memory.take(*message)
+            angles, speeds, warning = memory.take_message(*message)
         except Rejected:
             continue
         assert len(angles) == 3
