@@ -129,8 +129,10 @@ class Page:
             row.locator('xpath=following::input[@type="checkbox"][1]').dispatch_event('click')
 
     def choose(self, chosen: str, other: str) -> None:
-        """Choose something else where something is chosen."""
-        self.page.locator(f'input[value="{chosen}"]').first.dispatch_event('click')
+        """Choose something else where something is chosen; a list out of sight would not open."""
+        box = self.page.locator(f'input[value="{chosen}"]').first
+        box.scroll_into_view_if_needed()
+        box.dispatch_event('click')
         with self.telling():
             self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
 
