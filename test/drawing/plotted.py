@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.processed import ProcessedRecording
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FRAMES = 60
 ROWS = 5

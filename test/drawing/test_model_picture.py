@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from optional import requires
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.drawing.colours import head_colours
 from linkedplane_ros.drawing.picture import model_figure, pictured_poses, sphere_grid
 
-pytest.importorskip('matplotlib')
+pytestmark = requires('matplotlib')
 
 DELTOID = BroadMuscle.load('deltoid')
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']

@@ -9,10 +9,10 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pytest
 from bags import NAMES, exit_status, odd_motion, write
+from optional import requires
 from plotted import ONE_HEAD
 
 from linkedplane_ros import JOINT_CONVENTIONS
@@ -21,11 +21,15 @@ from linkedplane_ros.drawing.plot import figures, save_figures
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.processing.reading import read
 
+pytestmark = requires('matplotlib')
+
 ISB = JOINT_CONVENTIONS['isb_yxy']
 
 
 def matplotlib_settings() -> dict[str, Any]:
-    """Return matplotlib's settings; the backend as it is set, for to ask for it chooses one."""
+    """Return matplotlib's settings; the backend is read without making matplotlib choose one."""
+    import matplotlib
+
     return {key: dict.__getitem__(matplotlib.rcParams, key) for key in matplotlib.rcParams}
 
 

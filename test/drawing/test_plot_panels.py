@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
-from matplotlib.text import Text
+from optional import requires
 from plotted import ONE_HEAD, ROWS, SWEEP, panels, repeated, sweep
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, WrapState
@@ -18,6 +16,12 @@ from linkedplane_ros.drawing.plot import STATE_GREYS, figures
 from linkedplane_ros.drawing.processed import ProcessedRecording
 from linkedplane_ros.drawing.thinning import covered_intervals
 from linkedplane_ros.errors import RecordingError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+
+pytestmark = requires('matplotlib')
 
 EXACT = 1e-9  # mm, deg, s: drawn are the given numbers, but for the rounding of their units
 VISIBLE = 0.2  # of the way from black to white: greys side by side in one panel
@@ -47,6 +51,8 @@ def state_bars(axes: Any, lane: int, state: int) -> list[tuple[float, float]]:
 
 def grey(colour: Any) -> float:
     """Return the lightness of a colour in a greyscale print, 0..1."""
+    from matplotlib.colors import to_rgb
+
     red, green, blue = to_rgb(colour)
     return 0.299 * red + 0.587 * green + 0.114 * blue
 
@@ -59,6 +65,8 @@ def ticks_within(axes: Any) -> list[Text]:
 
 def texts(figure: Figure) -> list[str]:
     """Return every text in a figure, each in one line."""
+    from matplotlib.text import Text
+
     return [' '.join(text.get_text().split()) for text in figure.findobj(Text)]
 
 

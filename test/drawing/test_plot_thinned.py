@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from optional import requires
 from plotted import ONE_HEAD, panels, repeated
 
 from linkedplane_ros.drawing.plot import CROWDED, MOST, figures
 from linkedplane_ros.drawing.thinning import thin_points
+
+pytestmark = requires('matplotlib')
 
 EXACT = 1e-9  # mm, deg, s: drawn are the given numbers, but for the rounding of their units
 

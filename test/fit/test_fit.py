@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fits import HEADS, simulated, ten_percent_off
+from optional import requires
 from random_muscles import random_poses
 
 from linkedplane_ros import BroadMuscle
@@ -19,7 +20,7 @@ from linkedplane_ros.fit.parameters import Bound, space
 from linkedplane_ros.fit.polish import polished
 from linkedplane_ros.fit.swarm import Swarm, scattered
 
-pytest.importorskip('pymoo')
+pytestmark = requires('pymoo')
 DELTOID = BroadMuscle.load('deltoid')
 QUICK = Plan(particles=8, generations=4, rounds=2, polish=4, seed=3)
 POLISH = Plan(generations=0, polish=300)  # from where the model stands

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from command_line import PROGRAM, fault, said
 from fits import QUICK_OPTIONS
+from optional import requires
 
 from linkedplane_ros import BroadMuscle
 
-pytest.importorskip('pymoo')
-pytest.importorskip('matplotlib')
+pytestmark = requires('pymoo', 'matplotlib')
 DELTOID = BroadMuscle.load('deltoid')
 
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from command_line import PROGRAM, fault, said
 from fits import QUICK_OPTIONS, simulated, write_data
+from optional import requires
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.fit.data import read
 
-pytest.importorskip('pymoo')
-pytest.importorskip('matplotlib')
+pytestmark = requires('pymoo', 'matplotlib')
 
 DELTOID = BroadMuscle.load('deltoid')
 SHORT = (*QUICK_OPTIONS[:4], '--polish', 2, '--weights', 'interference=0')

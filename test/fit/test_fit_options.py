@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fits import simulated, write_data
+from optional import requires
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
 from linkedplane_ros.commands import fit
@@ -19,7 +20,7 @@ from linkedplane_ros.fit.criterion import Criterion
 from linkedplane_ros.fit.data import read
 from linkedplane_ros.fit.fitting import Plan
 
-pytest.importorskip('pymoo')
+pytestmark = requires('pymoo')
 
 DELTOID = BroadMuscle.load('deltoid')
 DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'how_to' / 'fitting.md').read_text(encoding='utf-8')

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from optional import requires
 
 import linkedplane_ros
 from linkedplane_ros import BroadMuscle
@@ -84,8 +85,8 @@ def test_the_documents_say_how_far_it_is_from_what_was_measured() -> None:
         assert all(cell in row for cell in cells)
 
 
+@requires('pymoo')
 def test_free_to_enter_bone_it_comes_far_nearer_to_what_was_measured() -> None:
-    pytest.importorskip('pymoo')
     one = criterion(PUBLISHED)
     found = fit(one, Plan(particles=50, generations=30, polish=60, seed=1))
     assert mean_off(one, one.space.start) > 7.5  # mm

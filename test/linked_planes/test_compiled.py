@@ -1,5 +1,7 @@
 """Kernels are compiled once and kept on disk, wherever the package is installed."""
 
+from __future__ import annotations
+
 import os
 import shutil
 import subprocess
@@ -7,8 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from optional import requires
 
-pytest.importorskip('numba')
+pytestmark = requires('numba')
 
 HOUSE = Path(__file__).parents[2] / 'linkedplane_ros'
 KERNEL = """

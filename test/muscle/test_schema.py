@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 import yaml
+from optional import requires
 from spoilt_models import REQUIRED, WRONG, Content, spoil
 from varied_muscles import MUSCLES
 
@@ -16,9 +17,8 @@ from linkedplane_ros.muscle.keys import KEYS, TYPES, known_keys
 from linkedplane_ros.muscle.schema import FILE, json_schema, schema_text
 from linkedplane_ros.muscle.writing import file_content
 
-jsonschema = pytest.importorskip('jsonschema')
+pytestmark = requires('jsonschema')
 
-VALIDATOR = jsonschema.Draft7Validator(json_schema())
 DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'reference' / 'model_format.md').read_text()
 
 # What a schema cannot tell: counts, names and values that have to suit others; nan
@@ -31,11 +31,15 @@ TOLD = [case for case in WRONG if not any(each in case[2] for each in BEYOND)]
 
 
 def faults(model: Any) -> list[str]:
-    return [error.message for error in VALIDATOR.iter_errors(model)]
+    from jsonschema import Draft7Validator
+
+    return [error.message for error in Draft7Validator(json_schema()).iter_errors(model)]
 
 
 def test_the_schema_is_one() -> None:
-    jsonschema.Draft7Validator.check_schema(json_schema())
+    from jsonschema import Draft7Validator
+
+    Draft7Validator.check_schema(json_schema())
 
 
 @pytest.mark.parametrize('name', bundled_models())

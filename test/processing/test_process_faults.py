@@ -20,6 +20,7 @@ from bags import (
     rows,
     write,
 )
+from optional import requires
 from rosbags.rosbag2 import StoragePlugin
 
 from linkedplane_ros.processing.task import Task, run
@@ -50,7 +51,7 @@ def faulty(tmp_path: Path) -> dict[str, tuple[Path, str]]:
     }
 
 
-@pytest.mark.parametrize('kind', ['csv', 'parquet', 'bag'])
+@pytest.mark.parametrize('kind', ['csv', pytest.param('parquet', marks=requires('pyarrow')), 'bag'])
 def test_a_faulty_input_is_one_line_and_leaves_nothing_behind(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
@@ -98,10 +99,12 @@ def test_frames_outside_the_models_range_are_counted(tmp_path: Path) -> None:
     assert run(Task(tmp_path / 'in.csv', tmp_path / 'out.csv')).outside == 3
 
 
+@requires('resource')
 @pytest.mark.parametrize('storage', [MCAP, SQLITE3])
-@pytest.mark.parametrize('name', ['out', 'out.csv', 'out.parquet'])
+@pytest.mark.parametrize(
+    'name', ['out', 'out.csv', pytest.param('out.parquet', marks=requires('pyarrow'))]
+)
 def test_a_full_disk_is_one_line(tmp_path: Path, name: str, storage: StoragePlugin) -> None:
-    pytest.importorskip('resource')
     source = write(tmp_path / 'in', [joint_state(k % 100) for k in range(2000)], storage)
     code = (
         'import resource, signal, sys; from linkedplane_ros.commands.main import main\n'

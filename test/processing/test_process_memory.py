@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bags import NAMES, NONE, ONE, STORE, T0, Sent, joint_state, write
+from optional import requires
 
 from linkedplane_ros.joints.joint_state import JointMap
 from linkedplane_ros.processing.cdr import JointStates
@@ -27,9 +28,11 @@ print(held[-1][0], held[-1][1] - next(mib for count, mib in held if count >= 10_
 """
 
 
-@pytest.mark.parametrize('ending', ['', '.csv', '.parquet'])
+@requires('resource')
+@pytest.mark.parametrize(
+    'ending', ['', '.csv', pytest.param('.parquet', marks=requires('pyarrow'))]
+)
 def test_memory_does_not_grow_with_the_recording(tmp_path: Path, ending: str) -> None:
-    pytest.importorskip('resource')
     names = list(NAMES)
     stamps = T0 + np.arange(30_000) * 10**7
     angles = np.tile((0.5, 0.4, 0.2), (len(stamps), 1))

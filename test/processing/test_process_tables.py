@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bags import EXACT, T0, contents, node_says, numbers, odd_motion, rows, write
+from optional import requires
 from rclpy.serialization import deserialize_message
 from ros_harness import TOPICS
 
@@ -75,8 +76,10 @@ def test_the_size_of_a_chunk_does_not_show(
         np.testing.assert_allclose(part, all_at_once, rtol=1e-12, atol=1e-15)
 
 
+@requires('pyarrow')
 def test_parquet_holds_the_numbers_of_csv(tmp_path: Path) -> None:
-    parquet = pytest.importorskip('pyarrow.parquet')
+    from pyarrow import parquet
+
     source = write(tmp_path / 'in', odd_motion())
     for name in ('out.csv', 'out.parquet'):
         assert run(Task(source, tmp_path / name)).fault == ''

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from bags import odd_motion, refused, write
+from optional import requires
 
 from linkedplane_ros.processing.task import Task
 from linkedplane_ros.processing.workers import Worker, run_all
@@ -33,8 +34,10 @@ def test_the_results_do_not_depend_on_how_many_work_at_a_time(tmp_path: Path) ->
         assert one.read_bytes() == two.read_bytes()
 
 
+@requires('distributed')
 def test_a_cluster_gives_what_one_process_gives(tmp_path: Path) -> None:
-    distributed = pytest.importorskip('dask.distributed')
+    from dask import distributed
+
     sources = [write(tmp_path / f'in{k}', odd_motion()[: 20 + 2 * k]) for k in range(3)]
     for place in ('here', 'there'):
         (tmp_path / place).mkdir()
@@ -50,10 +53,10 @@ def test_a_cluster_gives_what_one_process_gives(tmp_path: Path) -> None:
         assert here.read_bytes() == there.read_bytes()
 
 
+@requires('distributed')
 def test_a_cluster_that_is_not_there_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip('dask.distributed')
     source = write(tmp_path / 'in', odd_motion())
     line = refused(capsys, str(source), str(tmp_path / 'x'), '--dask', 'tcp://127.0.0.1:9')
     assert '--dask tcp://127.0.0.1:9: not reached' in line
@@ -180,8 +183,10 @@ def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> N
     assert jobs > 1 or any(0.2 < share < 0.8 for _, share in seen)
 
 
+@requires('pty')
 def test_on_a_terminal_the_lines_stand_alone_and_go_where_they_are_sent(tmp_path: Path) -> None:
-    pty = pytest.importorskip('pty')
+    import pty
+
     sources = [write(tmp_path / f'in{k}', odd_motion()) for k in range(2)]
     near, far = pty.openpty()
     command = [*PROCESS, *map(str, sources)]

@@ -5,19 +5,20 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pytest
+from optional import requires
 from random_bands import many, rotations
 from reference import Array
 
 from linkedplane_ros import WrapState
 from linkedplane_ros.rivals import Bands, Cylinder, PathModel, Sphere
 
+pytestmark = requires('mujoco')
+
 STILL = np.eye(3)
 
 
 def mujoco_paths(models: list[PathModel], sides: Array | None) -> Any:
     """Return MuJoCo's tendons of single spheres or cylinders; sides (n, 3), in the bone's frame."""
-    pytest.importorskip('mujoco', reason='mujoco is not installed: no rival to compare with')
     import mujoco
     import rivals
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import reference
 from deltoid_poses import RANGES, rotations_in_range
+from optional import requires
 from reference import Array
 from scipy.spatial.transform import Rotation
 
@@ -84,9 +85,10 @@ def standing_bands() -> tuple[list[LinkedPlaneSolver], tuple[Array, Array, Array
     return ones, (DELTOID.origins, DELTOID.insertions, centres, DELTOID.sphere_radii)
 
 
-@pytest.mark.parametrize('engine', ['mujoco', 'opensim'])
+@pytest.mark.parametrize(
+    'engine', [pytest.param(name, marks=requires(name)) for name in ('mujoco', 'opensim')]
+)
 def test_a_band_alone_is_that_of_another_engine(engine: str) -> None:
-    pytest.importorskip(engine, reason=f'{engine} is not installed: no rival to compare with')
     import rivals
 
     ones, numbers = standing_bands()

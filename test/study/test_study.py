@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.image import imread
+from optional import requires
 from studies import read_table
 
 from linkedplane_ros.commands.main import main
@@ -16,7 +16,7 @@ from linkedplane_ros.study import report
 from linkedplane_ros.study.pictures import animation, charts, figures
 from linkedplane_ros.study.subject import Subject
 
-pytestmark = pytest.mark.usefixtures('coarse')
+pytestmark = [pytest.mark.usefixtures('coarse'), requires('matplotlib')]
 
 MODEL = Path(__file__).parents[2] / 'linkedplane_ros' / 'models' / 'deltoid.yaml'
 FIGURES = {
@@ -45,6 +45,8 @@ def test_every_link_of_the_report_leads_to_a_file_and_every_file_has_a_link(stud
 
 
 def test_the_figures_are_pictures_that_fill_a_page(study: Path) -> None:
+    from matplotlib.image import imread
+
     for path in (study / 'figures').iterdir():
         picture = imread(path)
         assert picture.shape[1] == round(figures.WIDTH * report.DPI)

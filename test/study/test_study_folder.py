@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import fault
+from optional import requires
 
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.errors import RecordingError
@@ -15,7 +16,7 @@ from linkedplane_ros.study import report
 from linkedplane_ros.study.pictures import charts
 from linkedplane_ros.study.subject import Subject
 
-pytestmark = pytest.mark.usefixtures('coarse')
+pytestmark = [pytest.mark.usefixtures('coarse'), requires('matplotlib')]
 
 
 def test_a_folder_with_anything_in_it_is_left_alone(

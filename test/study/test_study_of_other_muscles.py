@@ -6,12 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
+from optional import requires
 from studies import read_table
 
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.study.interference import PRINTED
 
-pytestmark = pytest.mark.usefixtures('coarse')
+pytestmark = [pytest.mark.usefixtures('coarse'), requires('matplotlib')]
 
 MODEL = Path(__file__).parents[2] / 'linkedplane_ros' / 'models' / 'deltoid.yaml'
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from optional import requires
 
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.study.chapters.parts import Table, heading
@@ -32,8 +32,11 @@ def test_a_tiny_negative_number_is_shown_without_its_sign() -> None:
     assert '| 0.0 |' in Table('t', 'T', ('x_mm',), [(-0.01,)]).markdown()
 
 
+@requires('matplotlib')
 @pytest.mark.parametrize('chart', [charts.lengths, charts.moment_arms, charts.fidelity])
 def test_no_word_of_a_chart_runs_off_the_page(chart: Callable[[Subject], Any]) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     with figures.drawing():
         figure = chart(Subject.load('deltoid', scale=0.5))
         FigureCanvasAgg(figure).draw()
@@ -45,6 +48,7 @@ def test_no_word_of_a_chart_runs_off_the_page(chart: Callable[[Subject], Any]) -
             assert page.y0 <= box.y0 < box.y1 <= page.y1, words
 
 
+@requires('matplotlib')
 def test_a_chart_of_depths_says_where_and_how_deep() -> None:
     subject = Subject.load('deltoid')
     with figures.drawing():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from browser import CHROMIUM, WINDOW, Page, until
+from optional import is_installed
 from ros_harness import NodeProcess
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, MuscleState
@@ -18,8 +18,8 @@ from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, M
 MISSING = next(
     (f'{what} is not installed: {cure}' for what, there, cure in (
         ('chromium', CHROMIUM, 'apt-get install chromium'),
-        ('playwright', importlib.util.find_spec('playwright'), 'pip install playwright'),
-        ('viser', importlib.util.find_spec('viser'), "pip install 'linkedplane_ros[viewer]'"),
+        ('playwright', is_installed('playwright'), 'pip install playwright'),
+        ('viser', is_installed('viser'), "pip install 'linkedplane_ros[viewer]'"),
     ) if not there),
     '',
 )  # fmt: skip

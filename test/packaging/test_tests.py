@@ -1,0 +1,61 @@
+"""The tests themselves: every module is collected, whatever optional libraries there are."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+TESTS = Path(__file__).parents[1]
+MODULES = sorted(TESTS.rglob('*.py'))
+OPTIONAL = {
+    'dask', 'distributed', 'jsonschema', 'matplotlib', 'mujoco', 'numba', 'opensim', 'playwright',
+    'pyarrow', 'pymoo', 'rich', 'viser',
+}  # fmt: skip
+
+
+def module_level_nodes(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield what runs when a module is imported: all but functions and `if TYPE_CHECKING`."""
+    for child in ast.iter_child_nodes(node):
+        typing_only = isinstance(child, ast.If) and ast.unparse(child.test) == 'TYPE_CHECKING'
+        if not isinstance(child, ast.FunctionDef | ast.Lambda) and not typing_only:
+            yield child
+            yield from module_level_nodes(child)
+
+
+def module_level_faults(source: str) -> list[str]:
+    """Return what a test module must not do at its import."""
+    faults = []
+    for node in module_level_nodes(ast.parse(source)):
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith('importorskip'):
+            faults.append(ast.unparse(node))
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [node.module]
+        faults += [f'import {name}' for name in names if name.split('.')[0] in OPTIONAL]
+    keywords = (node.arg for node in ast.walk(ast.parse(source)) if isinstance(node, ast.keyword))
+    return faults + [arg for arg in keywords if arg == 'allow_module_level']
+
+
+def test_no_module_skips_or_needs_an_optional_library_at_its_import() -> None:
+    faults = {path.name: module_level_faults(path.read_text(encoding='utf-8')) for path in MODULES}
+    assert {name: found for name, found in faults.items() if found} == {}
+
+
+def test_a_skip_at_import_would_be_noticed() -> None:
+    for fault in (
+        "pytest.importorskip('pymoo')",
+        "with warnings.catch_warnings():\n    pymoo = importorskip('pymoo')",
+        "pytest.skip('no pymoo', allow_module_level=True)",
+        'import matplotlib.pyplot as plt',
+        'try:\n    from viser import uplot\nexcept ImportError:\n    pass',
+    ):
+        assert len(module_level_faults(fault)) == 1
+    assert module_level_faults("def test_it() -> None:\n    pytest.importorskip('pymoo')") == []
+
+
+def test_the_names_of_the_modules_are_unique() -> None:
+    """Pytest imports the modules of all folders by their bare names."""
+    names = Counter(path.name for path in MODULES if path.name != 'conftest.py')
+    assert [name for name, count in names.items() if count > 1] == []
