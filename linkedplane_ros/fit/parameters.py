@@ -29,15 +29,8 @@ from ..linked_planes.layout import (
     muscle_size,
     pack_muscle,
 )
-from ..muscle.definition import (
-    METRES,
-    RADIANS,
-    Curve,
-    Definition,
-    Listed,
-    Polynomial,
-    expand_frame,
-)
+from ..muscle.definition import Definition, expand_frame
+from ..muscle.parts import METRES, RADIANS, Curve, Listed, Polynomial
 from ..types import Floats
 from .kernel import PHI, combined
 

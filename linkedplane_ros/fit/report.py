@@ -10,7 +10,7 @@ import numpy as np
 
 from ..drawing.markdown import markdown_table
 from ..muscle.broad_muscle import BroadMuscle
-from ..muscle.definition import COORDINATES
+from ..muscle.parts import COORDINATES
 from ..types import Floats
 from .criterion import MM, Criterion, States
 from .data import Data

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -15,19 +14,9 @@ from ..errors import ModelError
 from ..files import replace_when_complete
 from ..types import Floats, Interval
 from . import file, scaling, writing
-from .definition import (
-    COORDINATES,
-    Definition,
-    Head,
-    Landmark,
-    Sphere,
-    define_in_metres,
-    expand_frame,
-    require_frame,
-    unit_vector,
-    whole_head,
-)
+from .definition import Definition, define_in_metres, expand_frame, require_frame, unit_vector
 from .mapping import YamlMapping, parse_yaml, read_text
+from .parts import COORDINATES, Head, Landmark, Sphere, whole_head
 from .scaling import Scale
 from .validity import (
     check_distinct,
@@ -41,7 +30,7 @@ from .validity import (
     require_text,
 )
 
-__all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale', 'bundled_models']
+__all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale']
 
 
 SHAPES: dict[str, tuple[str | int, ...]] = {
@@ -60,59 +49,76 @@ SHAPES: dict[str, tuple[str | int, ...]] = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BroadMuscle:
-    """A broad muscle of n linked bands, right shoulder, in m and rad (thesis ch. 4 and 5).
+    """A broad muscle of n linked bands (thesis ch. 4 and 5), in m and rad.
 
-    Two muscles are equal if all that their files would state is.
+    The right shoulder's; the left one's is its mirror image. Arrays are copied, and read-only.
+    Two muscles are equal if their files would state the same.
+
+    Raises
+    ------
+    ModelError
+        Where a field cannot be as it is, for the same reasons as a file is refused: it names the
+        field, the value, and what is expected.
+
     """
 
     name: str
+    """A letter, then letters, digits and _: the node's topics begin with it."""
     source: str
+    """Where the numbers come from."""
     band_names: tuple[str, ...]
+    """(n) in the order in which the bands' planes are linked."""
     heads: tuple[Head, ...] = ()
-    """Where none are given, the muscle is its own only head."""
+    """Without any, the muscle is its own only head."""
     origins: Floats
-    """(n, 3) ground (scapula) frame."""
+    """(n, 3) m, ground (scapula) frame."""
     insertions: Floats
-    """(n, 3) humerus frame."""
+    """(n, 3) m, humerus frame."""
     sphere_centres: Floats
-    """(n, 3) each in its `sphere_frame`."""
+    """(n, 3) m, each in its `sphere_frame`."""
     sphere_radii: Floats
-    """(n,)"""
+    """(n,) m, above zero."""
     ground_point: Floats | None = None
-    """(3,) SC, ground frame: the moving frames' z axes stand across the plane with it."""
+    """(3,) m, SC, ground frame: z axes of moving frames are normal to the plane through the band's
+    origin, `humeral_point` and this point. None without a moving frame."""
     humeral_point: Floats | None = None
-    """(3,) HM, humerus frame: the moving frames' x axes point to it."""
+    """(3,) m, HM, humerus frame: x axes of moving frames point to it. None without a moving
+    frame."""
     plane_angles: Floats
-    """(n,) phi, from the plane of the band before; the first is replaced by theta."""
+    """(n,) rad, phi: the angle of each plane from that of the band before; in place of the first
+    one the solver finds theta."""
     reference_normal: Floats
-    """(3,) N, ground frame, unit."""
+    """(3,) N, ground frame: theta is measured from the plane with this normal. Given at any length,
+    kept at length 1."""
     interference_centres: Floats = field(default_factory=lambda: np.empty((0, 3)))
-    """(k, 3) ground frame."""
+    """(k, 3) m, ground frame: spheres of bone that no band should enter."""
     interference_radii: Floats = field(default_factory=lambda: np.empty(0))
-    """(k,)"""
+    """(k,) m, above zero."""
     interference_names: tuple[str, ...] = ()
+    """(k)"""
     range_of_motion: tuple[Interval, ...] | None = None
-    """Lowest and highest flexion, abduction and rotation that the model is for, rad."""
+    """rad, the lowest and highest flexion, abduction and rotation that the model is for."""
     sphere_frame: str | tuple[str, ...] = 'moving'
-    """What the spheres move with, one for all or one for each band: their band's moving frame
-    (`moving`: SC and HM are needed), the scapula (`ground`) or the humerus (`humerus`)."""
+    """What the spheres move with, one for all or (n) one for each band: the scapula (`ground`), the
+    humerus (`humerus`), or a frame of the band's own (`moving`), which needs SC and HM."""
     licence: str = ''
+    """What others may do with the model."""
     landmarks: tuple[Landmark, ...] = ()
     """Places on the bones that can be found on a subject, m."""
     stated: Definition | None = field(default=None, repr=False)
-    """What a file states; of no account where the other fields have been changed since."""
+    """What the muscle's file states. Ignored where another field has been changed since."""
 
     def __post_init__(self) -> None:
-        """Check all that a file is checked for; FieldError names the field."""
+        """Check all fields, as a file's are; FieldError names the field."""
         check_topic_name('name', self.name)
         self._set('source', require_text('source', self.source))
-        self._set('licence', self.licence and require_text('licence', self.licence))
+        if self.licence != '':
+            self._set('licence', require_text('licence', self.licence))
         for name in ('band_names', 'interference_names'):
             self._set(name, tuple(map(str, getattr(self, name))))
         check_names('band_names', self.band_names)
         check_distinct('interference_names', self.interference_names)
-        heads = tuple(self.heads) or (whole_head(self.name, self.band_names),)
-        self._set('heads', heads)
+        self._set('heads', tuple(self.heads) or (whole_head(self.name, self.band_names),))
         check_heads(self.heads, self.band_names)
         self._set('landmarks', tuple(self.landmarks))
         check_landmarks([landmark.name for landmark in self.landmarks])
@@ -135,7 +141,7 @@ class BroadMuscle:
             expected = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
             array = require_array(name, getattr(self, name), expected)
             array = unit_vector(array) if name == 'reference_normal' else array
-            array.flags.writeable = False  # the definition would no longer be theirs
+            array.flags.writeable = False  # or it would differ from the definition
             self._set(name, array)
         for sphere in zip(
             self.interference_names, self.interference_centres, self.interference_radii, strict=True
@@ -147,11 +153,21 @@ class BroadMuscle:
 
     @staticmethod
     def load(name: str | Path) -> BroadMuscle:
-        """Load a bundled model by its name, or a .yaml file by its path.
+        """Return a bundled model, or the model in a file.
 
-        Raises ModelError (a ValueError) with one line that names the file, the key and the reason.
+        Parameters
+        ----------
+        name
+            The name of a bundled model, or the path of a .yaml file
+            (doc/reference/model_format.md).
+
+        Raises
+        ------
+        ModelError
+            One line that names the file, the key and the reason.
+
         """
-        bundled = bundled_models()
+        bundled = file.bundled_models()
         text = str(name)
         if text in bundled:
             return build_muscle(parse_yaml(text, bundled[text]))
@@ -165,15 +181,15 @@ class BroadMuscle:
 
     @staticmethod
     def from_definition(definition: Definition) -> BroadMuscle:
-        """Return the muscle that a definition defines."""
+        """Return the muscle that a definition defines, in m and rad; ModelError where none."""
         return BroadMuscle(**definition.muscle_fields, stated=definition)
 
     @cached_property
     def definition(self) -> Definition:
         """What the muscle's file states, or would state.
 
-        That of the file it was read from, polynomials and units as they stand there; for a muscle
-        made or changed in Python, explicit lists in m and rad.
+        Of a muscle read from a file, polynomials and units are those of the file; a muscle made or
+        changed in Python has lists of numbers, in m and rad.
         """
         mine = {each.name: getattr(self, each.name) for each in fields(self)}
         stated = mine.pop('stated')
@@ -190,11 +206,23 @@ class BroadMuscle:
         return hash(self.definition)
 
     def scaled(self, scale: float | str | Path | Sequence[float] | Scale) -> BroadMuscle:
-        """Return the muscle at a subject's size; lengths and moment arms follow.
+        """Return the muscle at a subject's size.
 
-        `scale` is a factor; 3 of them, along x, y and z of both bones; 6, the scapula's and then
-        the humerus's; the same as text, with commas; or the path of a subject's measurements,
-        .yaml (doc/reference/model_format.md). Raises ModelError where it is none of these.
+        Lengths and moment arms follow. Points scale along the axes of their bone from the centre of
+        the joint, spheres stay spheres, plane angles stay as they are.
+
+        Parameters
+        ----------
+        scale
+            A factor; 3 of them, along x, y and z of both bones; 6, the scapula's and then the
+            humerus's; the same as text, with commas; or the path of a subject's measurements,
+            .yaml (doc/reference/model_format.md).
+
+        Raises
+        ------
+        ModelError
+            Where the scale is none of these, or the measurements do not suit the model.
+
         """
         wanted = scaling.parse_scale(scale, self.definition)
         return BroadMuscle.from_definition(scaling.scale_definition(self.definition, wanted))
@@ -203,22 +231,40 @@ class BroadMuscle:
     def coefficients(self) -> dict[str, float]:
         """Every number of the definition's geometry by its place, as `sphere.centre.x[0]`.
 
-        In the definition's units; what is common to all bands has no index (`plane_angle`).
+        In the definition's units. A number that is common to all bands has no index
+        (`plane_angle`).
         """
         return writing.coefficients(self.definition)
 
     def with_coefficients(self, values: Mapping[str, float]) -> BroadMuscle:
-        """Return the muscle with other numbers in these places; what `coefficients` names.
+        """Return the muscle with other numbers in some places.
 
-        Raises ModelError for a place that is not there, and where `load` would refuse the result.
+        Parameters
+        ----------
+        values
+            The numbers by their places, as in `coefficients`, in the definition's units.
+
+        Raises
+        ------
+        ModelError
+            For a place that the muscle does not have, and for numbers that cannot be.
+
         """
         return build_muscle(writing.replace_coefficients(self.definition, values))
 
     def to_yaml(self, path: str | Path) -> None:
         """Write the muscle as a .yaml file; `load` gives an equal muscle back, to the bit.
 
-        A file that is there is replaced when the new one is complete. Raises ModelError where
-        `load` would read something else, and where the file cannot be written.
+        Parameters
+        ----------
+        path
+            Where to write; a file that is there is replaced when the new one is complete.
+
+        Raises
+        ------
+        ModelError
+            Where the file cannot be written, or `load` would read something else.
+
         """
         path = Path(path)
         if path.suffix not in ('.yaml', '.yml'):
@@ -230,9 +276,15 @@ class BroadMuscle:
             part.write_text(text, encoding='utf-8')
 
     def count_outside_range(self, rotations: Floats) -> int:
-        """Return how many of the rotations (m, 3, 3) lie outside the range of motion.
+        """Return how many rotations lie outside the range of motion; 0 without a range.
 
-        A rotation has two triples of flexion, abduction and rotation: one within is enough.
+        A rotation has two triples of flexion, abduction and rotation; it is outside if both are.
+
+        Parameters
+        ----------
+        rotations
+            (m, 3, 3) humerus -> scapula.
+
         """
         if self.range_of_motion is None:
             return 0
@@ -254,13 +306,13 @@ class BroadMuscle:
 
     @property
     def sphere_frames(self) -> tuple[str, ...]:
-        """(n) what each band's sphere moves with."""
+        """(n) what each band's sphere moves with: `moving`, `ground` or `humerus`."""
         return expand_frame(self.sphere_frame, len(self.band_names))
 
     def bands_by_sphere(self) -> dict[int, list[int]]:
-        """Return the bands of each sphere, by number, under the first of them.
+        """Return the numbers of the bands of each sphere, under the first of them.
 
-        Bands share a sphere if it is on a bone and they have the same numbers.
+        Bands share a sphere if it stands on a bone, and its centre and radius are the same.
         """
         shared: dict[Any, list[int]] = {}
         radii, centres = self.sphere_radii.tolist(), self.sphere_centres.tolist()
@@ -285,13 +337,3 @@ def are_equal(one: Any, other: Any) -> bool:
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         return np.array_equal(one, other)
     return bool(one == other)
-
-
-def bundled_models() -> dict[str, str]:
-    """Return the texts of the model files that come with the package, by name."""
-    folder = resources.files('linkedplane_ros') / 'models'
-    return {
-        entry.name.removesuffix('.yaml'): entry.read_text(encoding='utf-8')
-        for entry in folder.iterdir()
-        if entry.name.endswith('.yaml')
-    }

@@ -6,7 +6,6 @@ is evaluated here and nowhere else.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,136 +15,68 @@ import numpy as np
 
 from ..errors import FieldError
 from ..types import Floats, Interval, Point
-from .validity import check_choice, check_names, require_array, require_point
-
-METRES = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
-RADIANS = {'rad': 1.0, 'deg': math.pi / 180.0}
-FRAMES = ('moving', 'ground', 'humerus')
-"""What a sphere moves with: its band's moving frame, the scapula, the humerus."""
-BONES = ('scapula', 'humerus')
-COORDINATES = ('flexion', 'abduction', 'rotation')
-
-
-@dataclass(frozen=True)
-class Polynomial:
-    """A quantity as a polynomial in s, highest power first; one coefficient: common to all."""
-
-    coefficients: tuple[float, ...]
-
-    def evaluate(self, s: Floats) -> Floats:
-        """Return the values (n,) at the bands' s (n,)."""
-        with np.errstate(all='ignore'):
-            return np.asarray(np.polyval(self.coefficients, s), dtype=np.float64)
-
-    def multiply(self, factor: float) -> Polynomial:
-        """Return the quantity times a factor."""
-        return Polynomial(tuple(factor * c for c in self.coefficients))
-
-
-@dataclass(frozen=True)
-class Listed:
-    """A quantity as a list: a value for each band."""
-
-    values: tuple[float, ...]
-
-    def evaluate(self, s: Floats) -> Floats:
-        """Return the values (n,), whatever the bands' s (n,)."""
-        return np.array(self.values)
-
-    def multiply(self, factor: float) -> Listed:
-        """Return the quantity times a factor."""
-        return Listed(tuple(factor * value for value in self.values))
-
-
-Curve = Polynomial | Listed
-Curves = tuple[Curve, Curve, Curve]
-
-
-@dataclass(frozen=True)
-class Span:
-    """The s of bands that are equally spaced."""
-
-    first: float
-    last: float
-
-
-@dataclass(frozen=True)
-class Head:
-    """A part of the muscle: its bands and the one that stands for it in comparisons."""
-
-    name: str
-    bands: tuple[str, ...]
-    represented_by: str
-
-    def __post_init__(self) -> None:
-        """Check the bands; FieldError for one that represents a head without being in it."""
-        object.__setattr__(self, 'bands', tuple(self.bands))
-        owner = f'head {self.name}'
-        check_names('bands', self.bands, owner)
-        if self.represented_by not in self.bands:
-            reason = f'{self.represented_by!r} is not one of the bands of the head'
-            raise FieldError('represented_by', reason, owner)
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """An interference sphere: bone that no band should enter, ground frame."""
-
-    name: str
-    centre: Point
-    radius: float
-
-    def __post_init__(self) -> None:
-        """Check centre and radius; FieldError says what would be right."""
-        owner = f'interference sphere {self.name}'
-        object.__setattr__(self, 'centre', require_point('centre', self.centre, owner))
-        radius = float(require_array('radius', self.radius, (), owner))
-        if radius <= 0.0:
-            raise FieldError('radius', f'{radius:g} given, > 0 expected', owner)
-        object.__setattr__(self, 'radius', radius)
-
-
-@dataclass(frozen=True)
-class Landmark:
-    """A place on a bone that a laboratory can find on a subject."""
-
-    name: str
-    bone: str
-    """scapula or humerus"""
-    at: Point
-    """In the bone's frame."""
-
-    def __post_init__(self) -> None:
-        """Check bone and place; FieldError says what would be right."""
-        owner = f'landmark {self.name}'
-        check_choice('bone', self.bone, BONES, owner)
-        object.__setattr__(self, 'at', require_point('at', self.at, owner))
+from .parts import (
+    FRAMES,
+    METRES,
+    RADIANS,
+    Curve,
+    Curves,
+    Head,
+    Landmark,
+    Listed,
+    Span,
+    Sphere,
+    multiply_point,
+    whole_head,
+)
+from .validity import check_choice, check_names, require_array
 
 
 @dataclass(frozen=True)
 class Definition:
-    """What a model file states, in its own units; the fields are those of the model file."""
+    """What a model file states of a muscle of n bands, in the file's units.
+
+    The fields are the keys of the file (keys.py), which say what they mean.
+
+    Raises
+    ------
+    ModelError
+        Where the parts do not suit each other: a list that is not as long as there are bands, a
+        polynomial without s, a moving frame without its points. Whether the numbers make a muscle
+        is checked where that is made, by `BroadMuscle.from_definition`.
+
+    """
 
     name: str
     source: str
     licence: str
+    """Empty where none is stated."""
     length: str
     """The unit of length, one of METRES."""
     angle: str
     """The unit of angles, one of RADIANS."""
     band_names: tuple[str, ...]
+    """(n)"""
     s: Span | tuple[float, ...] | None
+    """Of the first and the last band, or (n); None where there are no polynomials."""
     heads: tuple[Head, ...]
     origin: Curves
+    """x, y and z, ground frame."""
     insertion: Curves
+    """x, y and z, humerus frame."""
     sphere_frame: str | tuple[str, ...]
-    """One of FRAMES, or one for each band."""
+    """One of FRAMES, or (n) one for each band."""
     sphere_centre: Curves
+    """x, y and z, each in its `sphere_frame`."""
     sphere_radius: Curve
     ground_point: Point | None
+    """SC, ground frame; None without a moving frame."""
     humeral_point: Point | None
+    """HM, humerus frame; None without a moving frame."""
     plane_angle: Curve
+    """phi"""
     reference_normal: Point
+    """N, ground frame, of any length."""
     interference_spheres: tuple[Sphere, ...] = ()
     landmarks: tuple[Landmark, ...] = ()
     range_of_motion: tuple[Interval, Interval, Interval] | None = None
@@ -269,11 +200,6 @@ def check_count(key: str, count: int, n: int, what: str = 'numbers') -> None:
         raise FieldError(key, f'a list of {n} {what} expected, a list of {count} given')
 
 
-def whole_head(name: str, bands: tuple[str, ...]) -> Head:
-    """Return a muscle as its own only head, which its middle band represents."""
-    return Head(name, bands, bands[len(bands) // 2])
-
-
 def require_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
     """Return what spheres move with, one of FRAMES for all or n of them; FieldError for others."""
     if isinstance(value, str) or not isinstance(value, Iterable):
@@ -289,12 +215,6 @@ def require_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
 def expand_frame(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:
     """Return a frame for each of n bands, where one may be stated for all."""
     return (frame,) * n if isinstance(frame, str) else frame
-
-
-def multiply_point(point: Point, factors: Point) -> Point:
-    """Return a point with each coordinate times its factor."""
-    x, y, z = (value * factor for value, factor in zip(point, factors, strict=True))
-    return x, y, z
 
 
 def unit_vector(vector: Floats) -> Floats:

@@ -4,23 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import resources
 
 from ..errors import FieldError
 from ..types import Interval
-from .definition import (
-    COORDINATES,
-    Curve,
-    Curves,
-    Definition,
-    Head,
-    Landmark,
-    Listed,
-    Polynomial,
-    Span,
-    Sphere,
-)
+from .definition import Definition
 from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, known_keys
 from .mapping import YamlMapping, describe_kind
+from .parts import COORDINATES, Curve, Curves, Head, Landmark, Listed, Polynomial, Span, Sphere
 
 
 @contextmanager
@@ -154,3 +145,13 @@ def _read_range_of_motion(file: YamlMapping) -> tuple[Interval, Interval, Interv
     section.check_keys(*known_keys('range_of_motion'))
     (a, b), (c, d), (e, f) = (section.numbers(coordinate, 2) for coordinate in COORDINATES)
     return (a, b), (c, d), (e, f)
+
+
+def bundled_models() -> dict[str, str]:
+    """Return the texts of the model files that come with the package, by name."""
+    folder = resources.files('linkedplane_ros') / 'models'
+    return {
+        entry.name.removesuffix('.yaml'): entry.read_text(encoding='utf-8')
+        for entry in folder.iterdir()
+        if entry.name.endswith('.yaml')
+    }

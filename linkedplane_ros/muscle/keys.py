@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .definition import BONES, FRAMES, METRES, RADIANS
+from .parts import BONES, FRAMES, METRES, RADIANS
 
 FORMAT = 'linkedplane_ros/broad_muscle'
 VERSION = 1

@@ -67,7 +67,7 @@ class YamlMapping:
         return key in self.content
 
     def fault(self, key: str, reason: str) -> ModelError:
-        """Return the error for one of the section's keys."""
+        """Return the error for one of the mapping's keys."""
         return ModelError(f'{self.file}: {self.full_key(key)}: {reason}')
 
     def full_key(self, key: str) -> str:

@@ -16,25 +16,15 @@ import numpy as np
 
 from ..errors import ModelError
 from ..types import Floats, Point
-from .definition import (
-    BONES,
-    METRES,
-    Curve,
-    Curves,
-    Definition,
-    Landmark,
-    Listed,
-    Sphere,
-    expand_frame,
-    multiply_point,
-)
+from .definition import Definition, expand_frame
 from .mapping import YamlMapping, parse_yaml, read_text
+from .parts import BONES, METRES, Curve, Curves, Landmark, Listed, Sphere, multiply_point
 from .validity import JOINT_CENTRE
 
 FORMAT = 'linkedplane_ros/subject'
 VERSION = 1
 LEAST, MOST = 0.5, 2.0  # factors that a measurement may give; beyond, its unit is wrong
-FLAT = 0.1  # of the farthest landmark's distance: below, an axis tells nothing of its factor
+FLAT = 0.1  # of the farthest landmark's distance: below, an axis has no factor of its own
 
 Pair = tuple[str, tuple[float, ...], tuple[float, ...]]
 """A bone, what the model has there, and what was measured: a point's 3 numbers or a distance."""
@@ -42,7 +32,14 @@ Pair = tuple[str, tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Scale:
-    """Factors along x, y and z of each bone."""
+    """Factors along x, y and z of each bone.
+
+    Raises
+    ------
+    ModelError
+        Unless all factors are finite and above zero.
+
+    """
 
     scapula: Point = (1.0, 1.0, 1.0)
     humerus: Point = (1.0, 1.0, 1.0)
@@ -50,14 +47,14 @@ class Scale:
     """Where the factors come from, if they were measured."""
 
     def __post_init__(self) -> None:
-        """Check the factors; ModelError says what would be right."""
-        for factor in (*self.scapula, *self.humerus):
-            if not 0.0 < factor < math.inf:
-                raise ModelError(f'scale: {factor:g} given, a factor > 0 expected')
+        """Check the factors."""
+        wrong = [each for each in (*self.scapula, *self.humerus) if not 0.0 < each < math.inf]
+        if wrong:
+            raise ModelError(f'scale: {wrong[0]:g} given, a factor > 0 expected')
 
     @property
     def uniform(self) -> bool:
-        """Whether there is but one factor."""
+        """Whether all factors are the same."""
         return len({*self.scapula, *self.humerus}) == 1
 
     def __str__(self) -> str:
@@ -73,7 +70,7 @@ class Scale:
 
 
 def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Definition) -> Scale:
-    """Return a scale: a factor, 3 or 6 of them, the same as text, or a subject's file (.yaml)."""
+    """Return the scale that is given for a model, in one of the forms of `BroadMuscle.scaled`."""
     if isinstance(given, Scale):
         return given
     if isinstance(given, (str, Path)):
@@ -96,7 +93,7 @@ def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Defi
 
 
 def scale_definition(model: Definition, scale: Scale) -> Definition:
-    """Return a definition at another size."""
+    """Return a definition at another size, in its own units; its source tells the scale."""
     if scale.uniform and scale.scapula[0] == 1.0:
         return model
     bones = {'scapula': scale.scapula, 'humerus': scale.humerus}
@@ -143,23 +140,23 @@ def geometric_mean(*factors: float) -> float:
 
 
 def scale_attachments(curves: Curves, factors: Point) -> Curves:
-    """Return attachments with each coordinate times its factor."""
+    """Return attachments on a bone with each coordinate times its factor."""
     x, y, z = (curve.multiply(factor) for curve, factor in zip(curves, factors, strict=True))
     return x, y, z
 
 
 def scale_curve(curve: Curve, factors: list[float], s: Floats) -> Curve:
-    """Return a quantity times a factor for each band: a list, if they differ."""
+    """Return a quantity times a factor for each band; it becomes a list if they differ."""
     if len(set(factors)) == 1:
         return curve.multiply(factors[0])
     return Listed(tuple((curve.evaluate(s) * factors).tolist()))
 
 
 def measure_scale(file: YamlMapping, model: Definition) -> Scale:
-    """Return the factors that best take the model's landmarks to a subject's, by least squares.
+    """Return the factors that a subject's file gives, by least squares over the landmarks.
 
     Points give a factor for each axis of their bone, distances one for the bone. A bone that was
-    not measured takes the other's.
+    not measured takes the other's factors. ModelError names file and key.
     """
     file.check_keys(('format', 'version', 'units'), ('points', 'distances'))
     for key, expected in (('format', FORMAT), ('version', VERSION)):
@@ -195,7 +192,7 @@ def landmarks_by_name(file: YamlMapping, model: Definition) -> dict[str, Landmar
 
 
 def point_pairs(file: YamlMapping, model: Definition) -> Iterator[Pair]:
-    """Yield bone, the model's and the subject's place of each measured landmark."""
+    """Yield the bone, the model's and the subject's place of each measured landmark."""
     known, given = landmarks_by_name(file, model), file.mapping('points')
     given.check_keys((), known)
     for name in given.content:
@@ -205,7 +202,7 @@ def point_pairs(file: YamlMapping, model: Definition) -> Iterator[Pair]:
 
 
 def distance_pairs(file: YamlMapping, model: Definition) -> Iterator[Pair]:
-    """Yield bone, the model's and the subject's distance of each measured pair of landmarks."""
+    """Yield the bone, the model's and the subject's distance of each measured pair."""
     known = landmarks_by_name(file, model)
     listed = file.content['distances']
     if not isinstance(listed, list) or not listed:
@@ -227,19 +224,19 @@ def fit_factors(mine: Floats, theirs: Floats, where: str) -> Point:
 
     An axis along which the landmarks hardly extend takes the mean of the others.
     """
-    reach = np.abs(mine).max(axis=0)
-    told = reach > max(FLAT * reach.max(), 1e-12)
-    if not told.any():
-        raise ModelError(f'{where}: landmarks that lie in one place tell nothing of a size')
-    factors = (mine * theirs).sum(axis=0)[told] / np.square(mine).sum(axis=0)[told]
-    for factor in factors.tolist():
-        if not LEAST <= factor <= MOST:
-            raise ModelError(
-                f"{where}: {factor:.3g} times the model's size by these measurements, "
-                f'{LEAST:g} to {MOST:g} expected; the unit, the axes?'
-            )
-    whole = np.full(3, geometric_mean(*factors.tolist()))
+    extent = np.abs(mine).max(axis=0)
+    wide = extent > max(FLAT * extent.max(), 1e-12)
+    if not wide.any():
+        raise ModelError(f'{where}: landmarks that lie in one place give no size')
+    factors = (mine * theirs).sum(axis=0)[wide] / np.square(mine).sum(axis=0)[wide]
+    wrong = [factor for factor in factors.tolist() if not LEAST <= factor <= MOST]
+    if wrong:
+        raise ModelError(
+            f"{where}: {wrong[0]:.3g} times the model's size by these measurements, "
+            f'{LEAST:g} to {MOST:g} expected; the unit, the axes?'
+        )
+    of_axes = np.full(3, geometric_mean(*factors.tolist()))
     if mine.shape[1] == 3:
-        whole[told] = factors
-    x, y, z = whole.tolist()
+        of_axes[wide] = factors
+    x, y, z = of_axes.tolist()
     return x, y, z

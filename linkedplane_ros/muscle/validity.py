@@ -13,7 +13,7 @@ from ..types import Floats, Intervals, Point
 
 if TYPE_CHECKING:
     from .broad_muscle import BroadMuscle
-    from .definition import Head
+    from .parts import Head
 
 JOINT_CENTRE = 'joint_centre'  # a landmark of both bones by itself
 SHORTEST = 1e-9  # m, m^2: below, a line or a plane has no direction

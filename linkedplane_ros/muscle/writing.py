@@ -1,4 +1,4 @@
-"""The model file written, to be read back to the bit; and its numbers by their places."""
+"""Writing a model file, to be read back to the bit; and its numbers by their places."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from typing import Any
 import yaml
 
 from ..errors import ModelError
-from .definition import COORDINATES, Curve, Curves, Definition, Listed, Span
+from .definition import Definition
 from .keys import FORMAT, VERSION, known_keys
 from .mapping import YamlMapping
+from .parts import COORDINATES, Curve, Curves, Listed, Span
 
 GEOMETRY = ('origin', 'insertion', 'sphere', 'plane_angle', 'reference_normal')
 
 
 def yaml_text(definition: Definition) -> str:
-    """Return the text of a definition's file: what `read` gives back, to the bit."""
+    """Return the text of a definition's file, which is read back to the bit."""
     text = yaml.safe_dump(
         file_content(definition),
         sort_keys=False,

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
-from ..muscle.definition import COORDINATES
+from ..muscle.parts import COORDINATES
 from ..types import Floats
 from .interference import depths
 from .linked_plane_solver import LinkedPlaneSolver, MuscleStates, WrapState

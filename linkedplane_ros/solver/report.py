@@ -8,7 +8,7 @@ from importlib import resources
 import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
-from ..muscle.definition import COORDINATES
+from ..muscle.parts import COORDINATES
 from .check import looked_over
 from .linked_plane_solver import LinkedPlaneSolver, WrapState
 

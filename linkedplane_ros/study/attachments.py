@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
-from ..muscle.definition import METRES, Listed
+from ..muscle.parts import METRES, Listed
 from ..types import Floats
 from .literature import PrintedPoint, printed_positions
 

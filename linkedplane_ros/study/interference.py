@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..muscle.broad_muscle import BroadMuscle
-from ..muscle.definition import METRES
 from ..muscle.file import read_interference_spheres
 from ..muscle.mapping import parse_yaml, read_text
+from ..muscle.parts import METRES
 from ..solver.interference import depths
 from ..types import Floats
 from .experiments import Experiment, simulate_all

@@ -10,7 +10,8 @@ from reference import Array
 
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.fit.parameters import Bound, Space, chosen, flat_numbers, places, space
-from linkedplane_ros.muscle.definition import Definition, Head
+from linkedplane_ros.muscle.definition import Definition
+from linkedplane_ros.muscle.parts import Head
 
 DELTOID = BroadMuscle.load('deltoid').definition
 LISTED = BroadMuscle(**DELTOID.muscle_fields).definition  # the same muscle as lists

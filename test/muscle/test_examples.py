@@ -11,8 +11,8 @@ import reference
 from ros_harness import ANSWERS, NodeProcess, Peer
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.muscle.broad_muscle import bundled_models
-from linkedplane_ros.muscle.definition import Listed, Polynomial
+from linkedplane_ros.muscle.file import bundled_models
+from linkedplane_ros.muscle.parts import Listed, Polynomial
 from linkedplane_ros.solver.check import looked_over
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']

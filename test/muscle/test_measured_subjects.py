@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from linkedplane_ros import BroadMuscle, ModelError
-from linkedplane_ros.muscle.definition import Landmark
+from linkedplane_ros.muscle.parts import Landmark
 
 DELTOID = BroadMuscle.load('deltoid')
 FACTORS = np.array((1.1, 0.9, 1.3))
@@ -146,5 +146,5 @@ def test_a_model_without_landmarks_cannot_be_measured_by(subject: Write) -> None
     with pytest.raises(ModelError, match='the model deltoid has no landmarks to measure by'):
         replace(DELTOID, landmarks=()).scaled(subject(distances=[TIP]))
     centred = replace(DELTOID, landmarks=(Landmark('middle', 'scapula', (0.0, 0.0, 0.0)),))
-    with pytest.raises(ModelError, match='landmarks that lie in one place tell nothing'):
+    with pytest.raises(ModelError, match='landmarks that lie in one place give no size'):
         centred.scaled(subject(points={'middle': [1.0, 0.0, 0.0]}))

@@ -14,8 +14,8 @@ from reference import Array
 from varied_muscles import MUSCLES, every_variation
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ModelError
-from linkedplane_ros.muscle.broad_muscle import bundled_models
-from linkedplane_ros.muscle.definition import Head, Landmark, Polynomial, Span
+from linkedplane_ros.muscle.file import bundled_models
+from linkedplane_ros.muscle.parts import Head, Landmark, Polynomial, Span
 
 DELTOID = BroadMuscle.load('deltoid')
 

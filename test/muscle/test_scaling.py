@@ -11,7 +11,7 @@ from random_muscles import framed
 from varied_muscles import every_variation
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, ModelError
-from linkedplane_ros.muscle.definition import Listed, Polynomial
+from linkedplane_ros.muscle.parts import Listed, Polynomial
 from linkedplane_ros.muscle.scaling import Scale
 
 DELTOID = BroadMuscle.load('deltoid')

@@ -12,7 +12,7 @@ from spoilt_models import REQUIRED, WRONG, Content, spoil
 from varied_muscles import MUSCLES
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.muscle.broad_muscle import bundled_models
+from linkedplane_ros.muscle.file import bundled_models
 from linkedplane_ros.muscle.keys import KEYS, TYPES, known_keys
 from linkedplane_ros.muscle.schema import FILE, json_schema, schema_text
 from linkedplane_ros.muscle.writing import file_content

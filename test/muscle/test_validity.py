@@ -11,7 +11,7 @@ import pytest
 
 from linkedplane_ros import BroadMuscle, Head, Landmark, ModelError
 from linkedplane_ros.errors import FieldError
-from linkedplane_ros.muscle.definition import Listed, Polynomial, Span, Sphere
+from linkedplane_ros.muscle.parts import Listed, Polynomial, Span, Sphere
 
 DELTOID = BroadMuscle.load('deltoid')
 NAMES = DELTOID.band_names

@@ -9,8 +9,9 @@ import numpy as np
 from random_muscles import of_bands, random_muscle
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.muscle.broad_muscle import bundled_models
-from linkedplane_ros.muscle.definition import Definition, Head, Landmark, Listed, Polynomial
+from linkedplane_ros.muscle.definition import Definition
+from linkedplane_ros.muscle.file import bundled_models
+from linkedplane_ros.muscle.parts import Head, Landmark, Listed, Polynomial
 
 DELTOID = BroadMuscle.load('deltoid')
 
