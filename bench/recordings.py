@@ -13,9 +13,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from linkedplane_ros.processing.cdr import JointStates
+from linkedplane_ros.processing.cdr import JointStateSerializer
 from linkedplane_ros.processing.options import Options
-from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.processing.task import Task, run_task
 from linkedplane_ros.recordings.bags import JOINT_STATE
 
 FRAMES = 20_000
@@ -36,7 +36,8 @@ def motion() -> tuple[np.ndarray, np.ndarray]:
 def write_bag(path: Path, plugin: StoragePlugin) -> None:
     """Write the motion as joint states."""
     stamps, angles = motion()
-    messages = JointStates(STORE, NAMES, '').filled(stamps, angles, np.full_like(angles, 0.1))
+    speeds = np.full_like(angles, 0.1)
+    messages = JointStateSerializer(STORE, NAMES, '').serialize(stamps, angles, speeds)
     with Writer(path, version=9, storage_plugin=plugin) as writer:
         topic = writer.add_connection('/joint_states', JOINT_STATE, typestore=STORE)
         for stamp, message in zip(stamps.tolist(), messages, strict=True):
@@ -137,7 +138,7 @@ def measure() -> dict[str, dict[str, float]]:
             for _ in range(ROUNDS):
                 for each in (copied, again):
                     shutil.rmtree(each, ignore_errors=True)
-                report = run(task)
+                report = run_task(task)
                 if report.fault:
                     raise RuntimeError(report.fault)
                 times['processing'].append(report.seconds)

@@ -15,7 +15,7 @@ import numpy as np
 from recordings import NAMES, STORE
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from linkedplane_ros.processing.cdr import JointStates
+from linkedplane_ros.processing.cdr import JointStateSerializer
 from linkedplane_ros.recordings.bags import JOINT_STATE
 
 RATE = 100  # Hz
@@ -24,7 +24,7 @@ LIMIT = 300.0  # MiB
 
 def write_long(path: Path, frames: int) -> None:
     """Write joint states of an arm that goes to and fro."""
-    states = JointStates(STORE, NAMES, '')
+    states = JointStateSerializer(STORE, NAMES, '')
     with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         topic = writer.add_connection('/joint_states', JOINT_STATE, typestore=STORE)
         for start in range(0, frames, 10_000):
@@ -32,7 +32,7 @@ def write_long(path: Path, frames: int) -> None:
             swing = 0.8 + 0.7 * np.sin(k / RATE)
             angles = np.column_stack((swing, 0.5 * swing, 0.1 * swing))
             stamps = 1_700_000_000 * 10**9 + k * (10**9 // RATE)
-            messages = states.filled(stamps, angles, np.full_like(angles, 0.1))
+            messages = states.serialize(stamps, angles, np.full_like(angles, 0.1))
             for stamp, message in zip(stamps.tolist(), messages, strict=True):
                 writer.write(topic, stamp, message)
 

@@ -1,8 +1,9 @@
-"""Files that appear when they are complete."""
+"""Files that appear when they are complete, and files that disappear."""
 
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -30,3 +31,11 @@ def replace_when_complete(path: Path, error: type[LinkedPlaneError]) -> Iterator
     finally:
         with suppress(OSError):  # where there is nothing to remove
             part.unlink()
+
+
+def remove_path(path: Path) -> None:
+    """Remove a file or a folder, if it is there."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)

@@ -23,11 +23,11 @@ def run(args: argparse.Namespace) -> None:
     """Draw a processed recording: lengths, moment arms and wrap states."""
     from ..drawing.plot import save_figures
     from ..processing.inputs import plain_name
-    from ..processing.reading import read
+    from ..processing.reading import read_processed
 
     source = Path(args.output) if Path(args.output).name else Path(args.output).resolve()
     out = Path(args.out) if args.out else source.with_name(plain_name(source))
-    processed = read(source)
+    processed = read_processed(source)
     for kind in args.kinds or ['png']:
         for path in save_figures(processed, out, kind):
             print(path)

@@ -85,18 +85,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
-    from ..processing.inputs import make_tasks, recordings
+    from ..processing.inputs import build_tasks, find_recordings
     from ..processing.options import Options
-    from ..processing.workers import run_all
+    from ..processing.workers import run_tasks
 
     options = Options(**{field.name: getattr(args, field.name) for field in fields(Options)})
     if options.bones is not None and options.thorax is not None:
         print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
               f'{options.bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
     out = Path(args.out)
-    sources, faults = recordings(args.inputs)
+    sources, faults = find_recordings(args.inputs)
     alone = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]
-    tasks, clashes = make_tasks(sources, out, alone, options)
+    tasks, clashes = build_tasks(sources, out, alone, options)
     faults += clashes
     for fault in faults:
         print(f'linkedplane: {fault}', file=sys.stderr)
@@ -111,7 +111,7 @@ def run(args: argparse.Namespace) -> None:
         def show_progress(frames: int, share: float) -> None:
             bar.update(share, f'{frames:,} frames')
 
-        for report in run_all(tasks, args.jobs, args.dask, show_progress):
+        for report in run_tasks(tasks, args.jobs, args.dask, show_progress):
             failed += bool(report.fault)
             with bar.paused():
                 print_report(report)

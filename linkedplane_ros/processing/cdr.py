@@ -1,7 +1,7 @@
-"""The answers as they stand in a recording: CDR bytes, many at a time, without ROS.
+"""The answers as a recording holds them: CDR bytes, many messages at a time, without ROS.
 
-All messages of a topic are alike but for their numbers: one is serialised by rosbags, and the
-numbers of the others are put in its place.
+The messages of a topic differ only in their numbers: rosbags serialises one, and the numbers of the
+others replace its own.
 """
 
 from __future__ import annotations
@@ -16,28 +16,36 @@ import numpy.typing as npt
 
 from ..errors import RecordingError
 from ..recordings.bags import JOINT_STATE
-from ..types import Floats
+from ..types import Bytes, Floats, Stamps
 from .topics import ANSWERS, UINT8_ARRAY, Topic, dimension_names, label_dimensions
 
-STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # an example that is found again
+STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # an example, found again in the bytes
 
 
-class Template:
-    """One serialised message with places for numbers."""
+class MessageTemplate:
+    """One serialised message whose numbers can be replaced.
+
+    Parameters
+    ----------
+    message
+        CDR.
+    examples
+        The numbers in it, by name, as they are in the bytes; those named `stamp` may be repeated.
+    """
 
     def __init__(self, message: bytes, **examples: npt.NDArray[Any]) -> None:
-        """Find each place by the example that stands there; a stamp's are as many as there are."""
+        """Find where each example is in the message."""
         self._bytes = np.frombuffer(message, np.uint8)
         self._places = {}
         for name, example in examples.items():
             sought = example.tobytes()
-            starts = [message.rindex(sought)]  # numbers stand behind names
+            starts = [message.rindex(sought)]  # numbers come after names
             if name == 'stamp':
-                starts = [found.start() for found in re.finditer(re.escape(sought), message)]
+                starts = [match.start() for match in re.finditer(re.escape(sought), message)]
             self._places[name] = [slice(start, start + len(sought)) for start in starts]
 
-    def filled(self, count: int, **values: npt.NDArray[Any]) -> list[bytes]:
-        """Return so many messages, with rows of values (count, ...) in their places."""
+    def fill(self, count: int, **values: npt.NDArray[Any]) -> list[bytes]:
+        """Return `count` messages; values (count, ...) replace the examples of the same names."""
         if not count:
             return []
         rows = np.tile(self._bytes, (count, 1))
@@ -48,19 +56,29 @@ class Template:
         return [row.tobytes() for row in rows]
 
 
-def split_stamps(stamps: npt.NDArray[np.int64]) -> npt.NDArray[np.uint32]:
-    """Return stamps (m,), ns, as messages hold them (m, 2): whole seconds and the rest."""
+def split_stamps(stamps: Stamps) -> npt.NDArray[np.uint32]:
+    """Return stamps (m,), ns, as messages hold them (m, 2): whole seconds, and the rest in ns."""
     seconds, rest = np.divmod(stamps, 10**9)
     if len(seconds) and not -(2**31) <= seconds.min() <= seconds.max() < 2**31:
         raise RecordingError('a stamp holds whole seconds below 2^31: times in s expected')
     return np.column_stack((seconds.astype('<i4').view('<u4'), rest.astype('<u4')))
 
 
-class JointStates:
-    """Makes the joint states of joints whose names stay."""
+class JointStateSerializer:
+    """Serialises joint states of the same joints.
+
+    Parameters
+    ----------
+    store
+        The type store of rosbags.
+    names
+        The n joints.
+    frame_id
+        Of the header.
+    """
 
     def __init__(self, store: Any, names: Sequence[str], frame_id: str) -> None:
-        """`store`: the type store of rosbags."""
+        """Serialise the templates: one with velocities, one without."""
         examples = np.linspace(0.1, 0.2, 2 * len(names))
         position, velocity = examples[: len(names)], examples[len(names) :]
         self._moving, self._still = (
@@ -70,7 +88,7 @@ class JointStates:
 
     def _template(
         self, store: Any, names: Sequence[str], frame_id: str, position: Floats, velocity: Floats
-    ) -> Template:
+    ) -> MessageTemplate:
         time = store.types['builtin_interfaces/msg/Time'](*STAMP.tolist())
         message = store.types[JOINT_STATE](
             header=store.types['std_msgs/msg/Header'](stamp=time, frame_id=frame_id),
@@ -82,19 +100,22 @@ class JointStates:
         places = {'stamp': STAMP, 'position': position}
         if len(velocity):
             places['velocity'] = velocity
-        return Template(bytes(store.serialize_cdr(message, JOINT_STATE)), **places)
+        return MessageTemplate(bytes(store.serialize_cdr(message, JOINT_STATE)), **places)
 
-    def filled(
-        self, stamps: npt.NDArray[np.int64], positions: Floats, velocities: Floats
-    ) -> list[bytes]:
-        """Return a message for each stamp (m,), ns, with positions and velocities (m, n).
+    def serialize(self, stamps: Stamps, positions: Floats, velocities: Floats) -> list[bytes]:
+        """Return the messages.
 
-        Where a velocity is NaN, not known, that message has none.
+        Parameters
+        ----------
+        stamps
+            (m,) ns.
+        positions, velocities
+            (m, n); a message with an unknown velocity, NaN, has no velocities.
         """
         split = split_stamps(stamps)
-        made = self._still.filled(len(stamps), stamp=split, position=positions)
+        made = self._still.fill(len(stamps), stamp=split, position=positions)
         known = np.flatnonzero(np.isfinite(velocities).all(axis=1))
-        moving = self._moving.filled(
+        moving = self._moving.fill(
             len(known), stamp=split[known], position=positions[known], velocity=velocities[known]
         )
         for k, message in zip(known.tolist(), moving, strict=True):
@@ -102,13 +123,25 @@ class JointStates:
         return made
 
 
-class SerializedAnswers:
-    """Makes the answers of one muscle and convention; the same as the node's."""
+class AnswerSerializer:
+    """Serialises the answers of one muscle and convention; the same messages as the node's.
+
+    Parameters
+    ----------
+    store
+        The type store of rosbags.
+    bands
+        The names of the n bands.
+    coordinates
+        The names of the convention's coordinates.
+    frame_id
+        Of the headers.
+    """
 
     def __init__(
         self, store: Any, bands: Sequence[str], coordinates: Sequence[str], frame_id: str
     ) -> None:
-        """`store`: the type store of rosbags."""
+        """Serialise a template for each topic."""
         self._store = store
         names = dimension_names(bands, coordinates)
         self._templates = {
@@ -116,12 +149,12 @@ class SerializedAnswers:
             for topic in ANSWERS
             if topic.dimensions
         }
-        self._states = JointStates(store, bands, frame_id)
+        self._states = JointStateSerializer(store, bands, frame_id)
 
     def _message(self, kind: str, **fields: Any) -> Any:
         return self._store.types[kind](**fields)
 
-    def _array(self, topic: Topic, *dimensions: tuple[str, Sequence[str]]) -> Template:
+    def _array(self, topic: Topic, *dimensions: tuple[str, Sequence[str]]) -> MessageTemplate:
         layout = self._message(
             'std_msgs/msg/MultiArrayLayout',
             dim=[
@@ -133,28 +166,41 @@ class SerializedAnswers:
             data_offset=0,
         )
         size = math.prod(len(names) for _, names in dimensions)
-        data = np.linspace(0.1, 0.2, size)  # an example that is found again
+        data = np.linspace(0.1, 0.2, size)  # an example, found again in the bytes
         if topic.type == UINT8_ARRAY:
             data = np.arange(200, 200 + size).astype(np.uint8)
         message = self._message(topic.type, layout=layout, data=data)
-        return Template(bytes(self._store.serialize_cdr(message, topic.type)), data=data)
+        return MessageTemplate(bytes(self._store.serialize_cdr(message, topic.type)), data=data)
 
-    def of(
+    def serialize(
         self,
-        stamps: npt.NDArray[np.int64],
+        stamps: Stamps,
         lengths: Floats,
         arms: Floats,
         lengthening: Floats,
-        wrap: npt.NDArray[np.uint8],
+        wrap: Bytes,
         vectors: Floats,
     ) -> dict[str, list[bytes]]:
-        """Return each topic's messages for m states: stamps (m,) ns, the rest with a leading m.
+        """Return the messages of each topic.
 
-        Lengthening (m, n) is NaN where it is not known; the velocity is then empty.
+        Parameters
+        ----------
+        stamps
+            (m,) ns.
+        lengths
+            (m, n) m.
+        arms
+            (m, n, 3) m, about the coordinates.
+        lengthening
+            (m, n) m/s; NaN where not known: the velocity is then empty.
+        wrap
+            (m, n) WrapState.
+        vectors
+            (m, n, 3) m.
         """
         m = len(stamps)
         made = {
-            topic: self._templates[topic].filled(m, data=values)
+            topic: self._templates[topic].fill(m, data=values)
             for topic, values in (
                 ('band_lengths', lengths),
                 ('moment_arms', arms),
@@ -162,5 +208,5 @@ class SerializedAnswers:
                 ('moment_vectors', vectors),
             )
         }
-        made['band_states'] = self._states.filled(stamps, lengths, lengthening)
+        made['band_states'] = self._states.serialize(stamps, lengths, lengthening)
         return {topic.name: made[topic.name] for topic in ANSWERS}

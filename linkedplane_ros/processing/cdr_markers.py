@@ -1,4 +1,4 @@
-"""The markers as they stand in a recording: CDR bytes, without ROS; the same as the node's."""
+"""The markers as a recording holds them: CDR bytes, without ROS; the same as the node's."""
 
 from __future__ import annotations
 
@@ -12,20 +12,32 @@ from ..drawing.shapes import MuscleShapes, Placement, Shape
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import MuscleState
 from ..types import Colour, Floats
-from .cdr import STAMP, Template, split_stamps
+from .cdr import STAMP, MessageTemplate, split_stamps
 from .topics import MARKERS
 
 
-class SerializedMarkers:
-    """Makes the markers of one muscle; those of states that wrap alike differ in numbers alone."""
+class MarkerSerializer:
+    """Serialises the markers of one muscle; those of states that wrap alike have one template.
+
+    Parameters
+    ----------
+    store
+        The type store of rosbags.
+    muscle
+        What is drawn.
+    frame_id
+        Of the headers.
+    points
+        How many points there are on the arc of a wrapped band.
+    """
 
     def __init__(self, store: Any, muscle: BroadMuscle, frame_id: str, points: int) -> None:
-        """`store`: the type store of rosbags; `points` on the arc of a wrapped band."""
+        """Describe the shapes; templates are made when they are needed."""
         self._store, self._frame_id = store, frame_id
         self._shapes = MuscleShapes(muscle, points, details=False)
-        self._templates: dict[bytes, Template] = {}
+        self._templates: dict[bytes, MessageTemplate] = {}
 
-    def of(self, states: Sequence[MuscleState], stamps: Sequence[int]) -> list[bytes]:
+    def serialize(self, states: Sequence[MuscleState], stamps: Sequence[int]) -> list[bytes]:
         """Return the message at each state; stamps in ns."""
         made = [b''] * len(states)
         alike = defaultdict(list)
@@ -35,17 +47,16 @@ class SerializedMarkers:
             places = [self._shapes.placements(states[k]) for k in which]
             if wrap not in self._templates:
                 self._templates[wrap] = self._template(places[0])
-            rows = zip(*([each for _, each in numbers(every)] for every in places), strict=True)
-            names = (name for name, _ in numbers(places[0]))
-            values = {name: np.stack(each) for name, each in zip(names, rows, strict=True)}
+            arrays = [dict(named_arrays(each)) for each in places]
+            values = {name: np.stack([each[name] for each in arrays]) for name in arrays[0]}
             now = split_stamps(np.array([stamps[k] for k in which]))
-            messages = self._templates[wrap].filled(len(which), stamp=now, **values)
+            messages = self._templates[wrap].fill(len(which), stamp=now, **values)
             for k, message in zip(which, messages, strict=True):
                 made[k] = message
         return made
 
-    def _template(self, places: Sequence[Placement]) -> Template:
-        """Return the message of such places, with numbers in them that are found again."""
+    def _template(self, places: Sequence[Placement]) -> MessageTemplate:
+        """Return the template of such placements, with random numbers as examples."""
         random = np.random.default_rng(0).random
         examples = []
         for place in places:
@@ -59,7 +70,7 @@ class SerializedMarkers:
         ]
         message = self._store.types[MARKERS.type](markers=markers)
         data = bytes(self._store.serialize_cdr(message, MARKERS.type))
-        return Template(data, stamp=STAMP, **dict(numbers(examples)))
+        return MessageTemplate(data, stamp=STAMP, **dict(named_arrays(examples)))
 
     def _marker(self, shape: Shape, place: Placement, action: int) -> Any:
         def make(kind: str, *values: Any) -> Any:
@@ -102,8 +113,8 @@ class SerializedMarkers:
         )
 
 
-def numbers(places: Sequence[Placement]) -> Iterator[tuple[str, Floats]]:
-    """Yield all numbers of the places, each under a name of its own."""
+def named_arrays(places: Sequence[Placement]) -> Iterator[tuple[str, Floats]]:
+    """Yield all arrays of the placements, each under a name of its own."""
     for k, place in enumerate(places):
         for name, each in zip(Placement._fields, place.numbers, strict=False):
             if each is not None:

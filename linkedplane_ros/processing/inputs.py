@@ -1,4 +1,4 @@
-"""From what a user names to the recordings: files, bags, folders and patterns of them."""
+"""From what a user names (files, bags, folders, patterns) to the recordings."""
 
 from __future__ import annotations
 
@@ -15,45 +15,57 @@ from .task import TABLES, Task
 ENDINGS_READ = (*TABLES, '.mcap', '.db3')
 
 
-def recordings(named: Iterable[str]) -> tuple[list[Path], list[str]]:
-    """Return the recordings among files, bags, folders and patterns; and a line for each fault."""
-    found: list[Path] = []
+def find_recordings(named: Iterable[str]) -> tuple[list[Path], list[str]]:
+    """Return the recordings that a user named.
+
+    Parameters
+    ----------
+    named
+        Files, bags, folders of them, or patterns.
+
+    Returns
+    -------
+    recordings, faults
+        Each recording once; and a line for each name that stands for none.
+    """
+    paths: list[Path] = []
     faults = []
     for each in named:
         try:
-            found += matching(each)
+            paths += match_recordings(each)
         except RecordingError as error:
             faults.append(str(error))
-    return list(dict.fromkeys(found)), faults
+    return list(dict.fromkeys(paths)), faults
 
 
-def matching(named: str) -> list[Path]:
-    """Return the recordings that a name or a pattern stands for, in the order of their names."""
+def match_recordings(named: str) -> list[Path]:
+    """Return the recordings that a name or a pattern stands for, sorted by name."""
     path = Path(named)
     if path.is_dir() and not is_bag(path):
-        paths = list(inside(path))
+        paths = list(recordings_inside(path))
         if not paths:
             read = ', '.join(ENDINGS_READ)
             raise RecordingError(f'{path}: no recordings in it (bags, {read})')
         return paths
     if path.exists() or not has_magic(named):
         return [path]
-    matches = [Path(each) for each in sorted(glob(named, recursive=True))]
-    paths = [
-        recording
-        for match in matches
-        for recording in (inside(match) if match.is_dir() and not is_bag(match) else [match])
-        if is_recording(recording)
-    ]
+    paths = []
+    for match in map(Path, sorted(glob(named, recursive=True))):
+        if match.is_dir() and not is_bag(match):
+            paths += recordings_inside(match)
+        elif is_recording(match):
+            paths.append(match)
     bags = {each for each in paths if each.is_dir()}
-    paths = [each for each in paths if each.parent not in bags]  # a bag's files are not bags, too
+    paths = [
+        each for each in paths if each.parent not in bags
+    ]  # a bag's files are not bags themselves
     if not paths:
         raise RecordingError(f'{named}: nothing matches')
     return paths
 
 
-def inside(folder: Path) -> Iterator[Path]:
-    """Yield the recordings of a folder, in the order of their names."""
+def recordings_inside(folder: Path) -> Iterator[Path]:
+    """Yield the recordings of a folder, sorted by name."""
     yield from sorted(filter(is_recording, folder.iterdir()))
 
 
@@ -68,16 +80,35 @@ def is_bag(path: Path) -> bool:
 
 
 def plain_name(path: Path) -> str:
-    """Return a recording's name without the ending of a file; a folder's name has none."""
+    """Return a recording's name without a file's ending; a folder has none."""
     return path.name if path.is_dir() else path.stem
 
 
-def make_tasks(
+def build_tasks(
     sources: Sequence[Path], target: Path, alone: bool, options: Options
 ) -> tuple[list[Task], list[str]]:
-    """Return a task for each recording, and a line for each that would replace another's output.
+    """Return a task for each recording.
 
-    One that stands `alone` becomes the target; others go into it as a folder.
+    Parameters
+    ----------
+    sources
+        The recordings.
+    target
+        The output of a recording alone; else the folder of all outputs.
+    alone
+        Whether the user named just one recording, and no folder or pattern.
+    options
+        How they are processed.
+
+    Returns
+    -------
+    tasks, faults
+        A line is a recording whose output would replace another's.
+
+    Raises
+    ------
+    RecordingError
+        If several recordings shall go into one table.
     """
     if alone and (not target.is_dir() or is_bag(target)):
         return [Task(source, target, options) for source in sources], []

@@ -1,13 +1,11 @@
 """Where processed recordings go: CSV, Parquet, or an annotated bag (`bag_output`).
 
-Each output is written beside its place and takes it when all is done, so that nothing half-written
-ever stands under the final name.
+Each output is written beside its final place and moved there when it is complete.
 """
 
 from __future__ import annotations
 
 import os
-import shutil
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -16,20 +14,20 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from ..errors import RecordingError
+from ..files import remove_path
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Chunk
 from ..solver.linked_plane_solver import MuscleStates
-from ..types import Floats
+from ..types import Bytes, Floats
 
 ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}
 TABLE_ENDINGS = {'.csv': 'csv', '.parquet': 'parquet'}
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class SolvedChunk:
     """A chunk and the muscle at each of its k frames."""
 
     chunk: Chunk
@@ -41,7 +39,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class Described:
+class OutputDescription:
     """What an output says of itself."""
 
     muscle: BroadMuscle
@@ -50,9 +48,9 @@ class Described:
     facts: Mapping[str, str]
     """Written into the output: convention, side, source, what was done to the angles."""
     angles_topic: str = ''
-    """Where a bag shall have the angles as joint states; empty: they are in it as recorded."""
+    """The topic of the angles as joint states in a bag; empty: they are in it as recorded."""
     markers: bool = True
-    """Whether a bag shall have the markers, too."""
+    """Whether a bag gets the markers, too."""
 
     @property
     def bands(self) -> tuple[str, ...]:
@@ -63,16 +61,31 @@ class Described:
 class Output(Protocol):
     """Takes solved chunks, one after the other."""
 
-    def write(self, solved: Solved) -> None:
+    def write(self, solved: SolvedChunk) -> None:
         """Append a chunk."""
 
     def close(self) -> None:
-        """Finish."""
+        """Complete the output."""
 
 
 @contextmanager
-def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
-    """Give a path to write to; what stands there at the end takes its place, or is removed."""
+def replace_output(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
+    """Give a path to write to, which takes the place of an output at the end of the block.
+
+    Parameters
+    ----------
+    path
+        Where the output shall be; what is there before is kept if the block fails.
+    force
+        Whether an output that exists is replaced.
+    bag
+        Whether the output is a bag, a folder.
+
+    Raises
+    ------
+    RecordingError
+        If `path` may not be replaced, or cannot be written.
+    """
     if path.exists() and not force:
         raise RecordingError(f'{path}: exists; --force to replace it')
     if path.is_dir() and not (bag and (path / 'metadata.yaml').is_file()):
@@ -81,11 +94,11 @@ def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
         raise RecordingError(f'{path}: a file; a bag is a folder')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
-    beside = workshop(path, os.getpid())
+    beside = partial_folder(path, os.getpid())
     try:
-        remove(beside)
+        remove_path(beside)
         beside.mkdir()
-        yield beside / path.name  # its own name: a bag writes that into its files
+        yield beside / path.name  # the final name: a bag writes it into its files
         if path.is_dir():
             path.rename(beside / 'replaced')
         try:
@@ -98,39 +111,31 @@ def in_place(path: Path, force: bool, bag: bool = False) -> Iterator[Path]:
         reason = getattr(error, 'strerror', None) or error
         raise RecordingError(f'{path}: not written: {reason}') from None
     finally:
-        remove(beside)
+        remove_path(beside)
 
 
-def workshop(path: Path, process: int | None) -> Path:
-    """Return the folder in which a process writes what is to stand at a path."""
+def partial_folder(path: Path, process: int | None) -> Path:
+    """Return the folder in which a process writes an output before it is complete."""
     return path.with_name(f'.{path.name}.{process}.part')
 
 
-def remove(path: Path) -> None:
-    """Remove a file or a folder, if it is there."""
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
-
-
-def columns(described: Described) -> list[str]:
-    """Return the names of a table's columns: times in s, angles in rad, lengths in m."""
-    bands = described.bands
+def column_names(description: OutputDescription) -> list[str]:
+    """Return the names of a table's columns: times in s, angles in rad, lengths in m, m/s."""
+    bands = description.bands
     return [
         'time',
-        *(f'angles/{coordinate}' for coordinate in described.coordinates),
+        *(f'angles/{coordinate}' for coordinate in description.coordinates),
         'theta',
         *(f'band_lengths/{band}' for band in bands),
         *(f'lengthening/{band}' for band in bands),
-        *(f'moment_arms/{band}/{each}' for band in bands for each in described.coordinates),
+        *(f'moment_arms/{band}/{each}' for band in bands for each in description.coordinates),
         *(f'moment_vectors/{band}/{axis}' for band in bands for axis in 'xyz'),
         *(f'wrap_states/{band}' for band in bands),
     ]
 
 
-def table(solved: Solved) -> tuple[Floats, npt.NDArray[np.uint8]]:
-    """Return a chunk's rows: all columns of numbers, and the wrap states."""
+def table_rows(solved: SolvedChunk) -> tuple[Floats, Bytes]:
+    """Return a chunk's rows: numbers (k, columns before the wrap states), wrap states (k, n)."""
     states, k = solved.states, len(solved.states)
     numbers = np.column_stack(
         (
@@ -147,18 +152,18 @@ def table(solved: Solved) -> tuple[Floats, npt.NDArray[np.uint8]]:
 
 
 class CsvOutput:
-    """A row a frame; the facts stand in lines with # before the header."""
+    """A CSV file: a row for each frame; the facts are lines with # before the header."""
 
-    def __init__(self, path: Path, described: Described) -> None:
+    def __init__(self, path: Path, description: OutputDescription) -> None:
         """Write the header."""
         self._file = path.open('w', encoding='utf-8', newline='')
-        for name, fact in described.facts.items():
+        for name, fact in description.facts.items():
             self._file.write(f'# {name}: {fact}\n')
-        self._file.write(','.join(columns(described)) + '\n')
+        self._file.write(','.join(column_names(description)) + '\n')
 
-    def write(self, solved: Solved) -> None:
-        """Append a chunk; every number to the last bit, an unknown one empty."""
-        numbers, wrap = table(solved)
+    def write(self, solved: SolvedChunk) -> None:
+        """Append a chunk; numbers are exact, an unknown one is empty."""
+        numbers, wrap = table_rows(solved)
         for row, states, ns in zip(
             numbers.tolist(), wrap.tolist(), solved.chunk.stamps.tolist(), strict=True
         ):
@@ -167,14 +172,14 @@ class CsvOutput:
             self._file.write(f'{time},{cells},{",".join(map(str, states))}\n')
 
     def close(self) -> None:
-        """Finish."""
+        """Complete the output."""
         self._file.close()
 
 
 class ParquetOutput:
-    """A row a frame; the facts stand in the schema's metadata."""
+    """A Parquet file: a row for each frame; the facts are in the schema's metadata."""
 
-    def __init__(self, path: Path, described: Described) -> None:
+    def __init__(self, path: Path, description: OutputDescription) -> None:
         """Open the file."""
         try:
             import pyarrow
@@ -185,20 +190,20 @@ class ParquetOutput:
             ) from None
         self._arrow = pyarrow
         self._file = path.open('wb')
-        names = columns(described)
+        names = column_names(description)
         kinds = [
             pyarrow.uint8() if name.startswith('wrap_states/') else pyarrow.float64()
             for name in names
         ]
         fields = list(zip(names, kinds, strict=True))
         self._schema = pyarrow.schema(
-            [('stamp', pyarrow.timestamp('ns')), *fields], metadata=dict(described.facts)
+            [('stamp', pyarrow.timestamp('ns')), *fields], metadata=dict(description.facts)
         )
         self._writer = pyarrow.parquet.ParquetWriter(self._file, self._schema)
 
-    def write(self, solved: Solved) -> None:
+    def write(self, solved: SolvedChunk) -> None:
         """Append a chunk; an unknown number is null."""
-        numbers, wrap = table(solved)
+        numbers, wrap = table_rows(solved)
         arrays = [solved.chunk.stamps.astype('datetime64[ns]'), *numbers.T, *wrap.T]
         made = [
             self._arrow.array(np.ascontiguousarray(each), type=kind.type, from_pandas=True)
@@ -207,13 +212,13 @@ class ParquetOutput:
         self._writer.write_table(self._arrow.Table.from_arrays(made, schema=self._schema))
 
     def close(self) -> None:
-        """Finish."""
+        """Complete the output."""
         self._writer.close()
         self._file.close()
 
 
-def format_of(path: Path, chosen: str | None) -> str:
-    """Return the format of an output: the one chosen, else by its ending."""
+def choose_format(path: Path, chosen: str | None) -> str:
+    """Return the format of an output, bag, csv or parquet: the one chosen, else by its ending."""
     ending = path.suffix.lower()
     kind = chosen or TABLE_ENDINGS.get(ending, 'bag')
     if kind == 'bag' and ending in ('.mcap', '.db3'):

@@ -20,25 +20,36 @@ from ..recordings.bag_motion import JointFrameReader
 from ..recordings.bags import deserialize_message, open_bag
 from ..recordings.motion import Frame
 from ..types import Floats
-from .topics import read_label
+from .topics import BAND, COORDINATE, read_label
 
 
-def read(path: Path) -> ProcessedRecording:
-    """Return what a processed recording holds; RecordingError if it is none."""
+def read_processed(path: Path) -> ProcessedRecording:
+    """Read a processed recording.
+
+    Parameters
+    ----------
+    path
+        An output of `linkedplane process`: a bag, .csv or .parquet.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read, or is no such output.
+    """
     if not path.exists():
         raise RecordingError(f'{path}: no such file or folder')
     if path.is_dir():
-        return from_bag(path)
+        return read_annotated_bag(path)
     try:
-        facts, columns = from_parquet(path) if path.suffix.lower() == '.parquet' else from_csv(path)
-        return assembled(path, facts, columns)
+        facts, columns = read_parquet(path) if path.suffix.lower() == '.parquet' else read_csv(path)
+        return assemble(path, facts, columns)
     except (KeyError, ValueError, UnicodeDecodeError) as error:
         raise RecordingError(
             f'{path}: not an output of linkedplane process: {str(error).splitlines()[0]}'
         ) from None
 
 
-def from_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
+def read_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
     """Return the facts and the columns of a CSV output."""
     facts: dict[str, str] = {}
     with path.open(encoding='utf-8', newline='') as file:
@@ -55,7 +66,7 @@ def from_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
     return facts, dict(zip(names, numbers.T, strict=True))
 
 
-def from_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
+def read_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
     """Return the facts and the columns of a Parquet output."""
     try:
         from pyarrow.parquet import read_table
@@ -72,7 +83,7 @@ def from_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
     }
 
 
-def from_bag(path: Path) -> ProcessedRecording:
+def read_annotated_bag(path: Path) -> ProcessedRecording:
     """Return what an annotated bag holds."""
     try:
         content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
@@ -85,13 +96,32 @@ def from_bag(path: Path) -> ProcessedRecording:
             topic, joints = facts['topic'], JointMap.from_facts(facts)
     except (OSError, KeyError, TypeError, ValueError, yaml.YAMLError):
         raise RecordingError(f'{path}: not an annotated bag of linkedplane process') from None
-    return assembled(
-        path, facts, columns_of_bag(path, muscle, JointFrameReader(topic, JointMemory(joints)))
+    return assemble(
+        path, facts, read_bag_columns(path, muscle, JointFrameReader(topic, JointMemory(joints)))
     )
 
 
-def columns_of_bag(path: Path, muscle: str, frame_reader: JointFrameReader) -> dict[str, Floats]:
+def read_bag_columns(path: Path, muscle: str, frame_reader: JointFrameReader) -> dict[str, Floats]:
     """Return the columns of an annotated bag: the angles and the answers to them."""
+    frames, answers, names = read_answers(path, muscle, frame_reader)
+    bands, coordinates = names[BAND], names[COORDINATE]
+    angles = np.array([frame.angles for frame in frames])
+    columns = {'time': np.array([frame.stamp for frame in frames]) * 1e-9}
+    columns |= {f'angles/{name}': each for name, each in zip(coordinates, angles.T, strict=True)}
+    for topic in ('band_lengths', 'wrap_states'):
+        values = np.array(answers[topic]).T
+        columns |= {f'{topic}/{band}': each for band, each in zip(bands, values, strict=True)}
+    pairs = [f'moment_arms/{band}/{name}' for band in bands for name in coordinates]
+    return columns | dict(zip(pairs, np.array(answers['moment_arms']).T, strict=True))
+
+
+def read_answers(
+    path: Path, muscle: str, frame_reader: JointFrameReader
+) -> tuple[list[Frame], dict[str, list[Any]], dict[str, tuple[str, ...]]]:
+    """Return the answered frames of an annotated bag, the answers by topic, and their labels.
+
+    The labels are the names of bands and coordinates, by the kind of the dimension.
+    """
     wanted = {f'/{muscle}/{name}': name for name in ('band_lengths', 'moment_arms', 'wrap_states')}
     answers: dict[str, list[Any]] = {name: [] for name in wanted.values()}
     frames: list[Frame] = []
@@ -108,25 +138,12 @@ def columns_of_bag(path: Path, muscle: str, frame_reader: JointFrameReader) -> d
                 message = deserialize_message(reader, data, connection.msgtype)
                 answers[wanted[topic]].append(message.data)
                 names = dict(read_label(dim.label) for dim in message.layout.dim) | names
-                if wanted[topic] == 'band_lengths':  # the first of an answer
+                if wanted[topic] == 'band_lengths':  # the first answer to a frame
                     answered += frames
-    bands, coordinates = names['band'], names['coordinate']
-    times = np.array([frame.stamp for frame in answered]) * 1e-9
-    angles = np.array([frame.angles for frame in answered])
-    arms = np.array(answers['moment_arms'])
-    columns = {'time': times}
-    columns |= {f'angles/{name}': each for name, each in zip(coordinates, angles.T, strict=True)}
-    for topic in ('band_lengths', 'wrap_states'):
-        values = np.array(answers[topic]).T
-        columns |= {f'{topic}/{band}': each for band, each in zip(bands, values, strict=True)}
-    pairs = [(band, name) for band in bands for name in coordinates]
-    columns |= {
-        f'moment_arms/{band}/{name}': each for (band, name), each in zip(pairs, arms.T, strict=True)
-    }
-    return columns
+    return answered, answers, names
 
 
-def assembled(
+def assemble(
     path: Path, facts: Mapping[str, str], columns: Mapping[str, Floats]
 ) -> ProcessedRecording:
     """Return the columns of an output as arrays; KeyError or ValueError if they are not there."""
@@ -135,7 +152,7 @@ def assembled(
     arms = [columns[f'moment_arms/{band}/{each}'] for band in bands for each in coordinates]
     times = columns['time']
     if not len(times):
-        raise ValueError('no frames in it')
+        raise RecordingError('no frames in it')
     return ProcessedRecording(
         title=f'{path.name}: {facts["muscle"]}, {facts["side"]}, {facts["joint_convention"]}',
         heads={head: tuple(names) for head, names in json.loads(facts['heads']).items()},

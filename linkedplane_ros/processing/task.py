@@ -1,7 +1,6 @@
-"""Process recordings: joint angles in, the same with the muscle's state beside them out.
+"""One recording: joint angles in, the same with the muscle's state beside them out.
 
-A recording is worked on in chunks; each recording is a task of its own, and tasks share nothing
-(`workers` does many).
+A recording is processed in chunks. Tasks share nothing; `workers` runs many.
 """
 
 from __future__ import annotations
@@ -27,14 +26,22 @@ from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..types import Floats
 from .bag_output import BagOutput
 from .options import Options
-from .outputs import CsvOutput, Described, Output, ParquetOutput, Solved, format_of, in_place
+from .outputs import (
+    CsvOutput,
+    Output,
+    OutputDescription,
+    ParquetOutput,
+    SolvedChunk,
+    choose_format,
+    replace_output,
+)
 
 TABLES = ('.mot', '.sto', '.csv')
 
 
 @dataclass(frozen=True)
 class Task:
-    """One recording to be processed; numbers in SI."""
+    """One recording to be processed."""
 
     source: Path
     target: Path
@@ -43,21 +50,25 @@ class Task:
 
 @dataclass(frozen=True)
 class Report:
-    """What has become of a task."""
+    """The result of a task."""
 
     task: Task
     frames: int = 0
+    """How many frames the output has."""
     seconds: float = 0.0
+    """How long it took, without compiling."""
     refused: Mapping[str, int] = field(default_factory=dict)
+    """How many frames were refused, by reason."""
     first: Mapping[str, str] = field(default_factory=dict)
+    """Where each reason was first met."""
     outside: int = 0
     """Frames outside the range of motion of the model."""
     fault: str = ''
     """Why there is no output, in one line; empty: there is one."""
 
 
-def motion_of(task: Task) -> Motion:
-    """Open a task's recording; RecordingError if it is no good."""
+def open_motion(task: Task) -> Motion:
+    """Open a task's recording; RecordingError if it cannot be used."""
     options, source = task.options, task.source
     convention, bones = options.joint_convention, options.bones
     motion: Motion
@@ -74,7 +85,7 @@ def motion_of(task: Task) -> Motion:
     return SmoothedMotion(motion, options.rate, options.lowpass)
 
 
-def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
+def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDescription:
     """Return what a task's output says of itself."""
     options, convention = task.options, task.options.joint_convention
     angles_topic = ''
@@ -102,38 +113,50 @@ def described(task: Task, muscle: BroadMuscle, motion: Motion) -> Described:
         'angles_topic': angles_topic,
         'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
     }
-    return Described(
+    return OutputDescription(
         muscle, convention.coordinates, options.frame_id, facts, angles_topic, options.markers
     )
 
 
-def output(path: Path, kind: str, described: Described, motion: Motion) -> Output:
+def open_output(path: Path, kind: str, description: OutputDescription, motion: Motion) -> Output:
     """Open an output of a kind, bag, csv or parquet, for the frames of a motion."""
     if kind == 'csv':
-        return CsvOutput(path, described)
+        return CsvOutput(path, description)
     if kind == 'parquet':
-        return ParquetOutput(path, described)
-    return BagOutput(path, described, motion.path if motion.keeps_records else None)
+        return ParquetOutput(path, description)
+    return BagOutput(path, description, motion.path if motion.keeps_records else None)
 
 
-def solved(
+def solve_chunk(
     chunk: Chunk, solver: LinkedPlaneSolver, convention: JointConvention, refused: Refusals
-) -> Solved:
-    """Solve a chunk; frames at which a band has no plane are refused and left out."""
+) -> SolvedChunk:
+    """Solve a chunk; refuse and leave out frames at which a band has no plane.
+
+    Parameters
+    ----------
+    chunk
+        Angles of the convention.
+    solver
+        Of the muscle and the side.
+    convention
+        What the angles mean.
+    refused
+        Where refused frames are counted.
+    """
     rotations, axes = convention.rotations_and_axes(chunk.angles, solver.side)
     try:
         states = solver.solve_batch(rotations)
     except ValueError:
-        good = np.array([solvable(solver, each) for each in rotations])
+        good = np.array([has_planes(solver, each) for each in rotations])
         for stamp in chunk.stamps[~good].tolist():
             refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
-        return solved(chunk.select(good), solver, convention, refused)
+        return solve_chunk(chunk.select(good), solver, convention, refused)
     arms = states.moment_vectors @ axes
     lengthening = -np.einsum('knj,kj->kn', arms, chunk.speeds)
-    return Solved(chunk, states, arms, lengthening)
+    return SolvedChunk(chunk, states, arms, lengthening)
 
 
-def solvable(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
+def has_planes(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
     """Return whether every band has a plane at a rotation (3, 3)."""
     try:
         solver.solve(rotation)
@@ -145,17 +168,22 @@ def solvable(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
 Progress = Callable[[int, float], None]
 
 
-def run(task: Task, progress: Progress = lambda frames, share: None) -> Report:
+def run_task(task: Task, progress: Progress = lambda frames, share: None) -> Report:
     """Process one recording; a fault is reported, not raised.
 
-    `progress` is told, chunk by chunk, of the frames done and the share of the recording, 0 to 1.
+    Parameters
+    ----------
+    task
+        What is to be done.
+    progress
+        Called after each chunk with the frames done and the share of the recording, 0 to 1.
     """
     try:
         return _run(task, progress)
     except ValueError as error:
         return Report(task, fault=str(error))
     except Exception as error:  # whatever it is, the other recordings are still done
-        return failed(task, error)
+        return report_failure(task, error)
 
 
 def _run(task: Task, progress: Progress) -> Report:
@@ -167,14 +195,15 @@ def _run(task: Task, progress: Progress) -> Report:
     target, source = task.target.resolve(), task.source.resolve()
     if target == source or target in source.parents:
         raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
-    kind = format_of(task.target, options.kind)
-    motion = motion_of(task)
+    kind = choose_format(task.target, options.kind)
+    motion = open_motion(task)
     motion.keeps_records = motion.keeps_records and kind == 'bag'
     frames = outside = 0
-    with in_place(task.target, options.force, kind == 'bag') as beside:
-        with closing(output(beside, kind, described(task, muscle, motion), motion)) as out:
+    with replace_output(task.target, options.force, kind == 'bag') as beside:
+        description = describe_output(task, muscle, motion)
+        with closing(open_output(beside, kind, description, motion)) as out:
             for chunk in motion.chunks():
-                each = solved(chunk, solver, convention, motion.refused)
+                each = solve_chunk(chunk, solver, convention, motion.refused)
                 out.write(each)
                 frames += len(each.chunk.stamps)
                 outside += muscle.count_outside_range(each.states.rotation)
@@ -188,7 +217,7 @@ def _run(task: Task, progress: Progress) -> Report:
     )
 
 
-def failed(task: Task, error: Exception) -> Report:
+def report_failure(task: Task, error: Exception) -> Report:
     """Return the report of a task that ended with an unexpected error."""
     text = (str(error).splitlines() or [''])[0]
     return Report(task, fault=f'{task.source}: not processed: {type(error).__name__}: {text}')

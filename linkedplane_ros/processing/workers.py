@@ -1,6 +1,6 @@
 """Many recordings: one after the other, in processes of their own, or on a Dask cluster.
 
-The results do not depend on how many work at a time.
+The results do not depend on how many are processed at a time.
 """
 
 from __future__ import annotations
@@ -19,56 +19,69 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordingError
-from .outputs import remove, workshop
-from .task import Report, Task, failed, run
+from ..files import remove_path
+from .outputs import partial_folder
+from .task import Progress, Report, Task, report_failure, run_task
 
 # a fresh interpreter: threads and compiled code do not outlive a fork well
 CONTEXT = get_context('spawn')
-LOOK = 0.1  # s, how often the progress of other processes is looked at
-FRAMES, SHARE = range(2)  # what the board tells of each task
-
-Shown = Callable[[int, float], None]
+POLL_INTERVAL = 0.1  # s, between two looks at the progress of other processes
+FRAMES, SHARE = range(2)  # what the board holds of each task
 
 
-def run_all(
-    tasks: Sequence[Task], jobs: int, dask: str | None, shown: Shown = lambda frames, share: None
+def run_tasks(
+    tasks: Sequence[Task], jobs: int, dask: str | None, show: Progress = lambda frames, share: None
 ) -> Iterator[Report]:
-    """Process recordings, so many at a time, here or on a Dask cluster; yield each report.
+    """Process recordings, and yield each report as it is complete.
 
-    `shown` is told of all frames done so far and the share of the whole, 0 to 1, by size.
+    Parameters
+    ----------
+    tasks
+        The recordings.
+    jobs
+        How many are processed at a time.
+    dask
+        The address of a Dask cluster; None: here.
+    show
+        Called with the frames of all recordings done so far, and their share by size, 0 to 1.
+
+    Raises
+    ------
+    RecordingError
+        If the cluster cannot be reached.
     """
-    sizes = np.array([float(size(task.source)) for task in tasks])
+    sizes = np.array([float(recording_size(task.source)) for task in tasks])
     board = CONTEXT.Array('d', 2 * len(tasks), lock=False)
 
-    def show() -> None:
+    def show_all() -> None:
         done = np.array(board).reshape(-1, 2)
-        shown(int(done[:, FRAMES].sum()), float(done[:, SHARE] @ sizes / sizes.sum()))
+        show(int(done[:, FRAMES].sum()), float(done[:, SHARE] @ sizes / sizes.sum()))
 
-    for number, report in working(tasks, jobs, dask, board, show):
-        tell(board, number, report.frames, 1.0)
-        show()
+    for number, report in run_numbered(tasks, jobs, dask, board, show_all):
+        record_progress(board, number, report.frames, 1.0)
+        show_all()
         yield report
 
 
-def working(
+def run_numbered(
     tasks: Sequence[Task], jobs: int, dask: str | None, board: Any, show: Callable[[], None]
 ) -> Iterator[tuple[int, Report]]:
     """Yield the number and the report of each task as it ends."""
     if dask is not None:
-        yield from on_cluster(tasks, dask)
+        yield from run_on_cluster(tasks, dask)
     elif min(jobs, len(tasks)) > 1:
-        yield from in_processes(tasks, min(jobs, len(tasks)), board, show)
+        yield from run_in_processes(tasks, min(jobs, len(tasks)), board, show)
     else:
         for number, task in enumerate(tasks):
 
             def progress(frames: int, share: float, number: int = number) -> None:
-                tell(board, number, frames, share)
+                record_progress(board, number, frames, share)
                 show()
 
-            yield number, run(task, progress)
+            yield number, run_task(task, progress)
 
 
-def size(path: Path) -> int:
+def recording_size(path: Path) -> int:
     """Return the bytes of a recording, 1 at least."""
     files = path.rglob('*') if path.is_dir() else (path,)
     with suppress(OSError):
@@ -76,52 +89,49 @@ def size(path: Path) -> int:
     return 1
 
 
-def tell(board: Any, number: int, frames: int, share: float) -> None:
-    """Put on the board how far a task is."""
+def record_progress(board: Any, number: int, frames: int, share: float) -> None:
+    """Write on the board how far a task is."""
     board[2 * number + FRAMES] = frames
     board[2 * number + SHARE] = share
 
 
-# In processes of their own
-
-
 class Worker:
-    """A process for one recording after the other; if it dies, that one alone is lost."""
+    """A process for one recording after the other; if it dies, only the current one is lost."""
 
     def __init__(self, board: Any) -> None:
         """Start the process."""
         self.pipe, far = CONTEXT.Pipe()
         self.number = -1
-        self.process = CONTEXT.Process(target=serve, args=(far, board), daemon=True)
+        self.process = CONTEXT.Process(target=serve_tasks, args=(far, board), daemon=True)
         self.process.start()
         far.close()
 
     def begin(self, number: int, task: Task) -> None:
-        """Give it a task; if it is dead, that shows when the answer is asked for."""
+        """Give it a task; a dead process is noticed when its report is received."""
         self.number = number
         with suppress(OSError):
             self.pipe.send((number, task))
 
     def end(self) -> None:
-        """End the process; what it was writing is removed."""
+        """End the process; it removes what it was writing."""
         self.process.terminate()
         self.process.join()
 
 
-def serve(pipe: Any, board: Any) -> None:
-    """Work off tasks as they come; an interruption is the other end's to tell."""
+def serve_tasks(pipe: Any, board: Any) -> None:
+    """Process tasks as they come, until the other end closes; it handles interruptions."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())
     with suppress(EOFError, OSError):
         while True:
             number, task = pipe.recv()
-            pipe.send(run(task, partial(tell, board, number)))
+            pipe.send(run_task(task, partial(record_progress, board, number)))
 
 
-def in_processes(
+def run_in_processes(
     tasks: Sequence[Task], jobs: int, board: Any, show: Callable[[], None]
 ) -> Iterator[tuple[int, Report]]:
-    """Process so many recordings at a time; an interruption ends them and leaves nothing behind."""
+    """Process so many recordings at a time; an interruption ends them without partial outputs."""
     left = iter(enumerate(tasks))
     busy: dict[Any, Worker] = {}
     idle = [Worker(board) for _ in range(jobs)]
@@ -133,7 +143,7 @@ def in_processes(
                 busy[worker.pipe] = worker
             if not busy:
                 return
-            ready: list[Any] = wait(list(busy), LOOK)
+            ready: list[Any] = wait(list(busy), POLL_INTERVAL)
             for pipe in ready:
                 worker = busy.pop(pipe)
                 task = tasks[worker.number]
@@ -142,7 +152,7 @@ def in_processes(
                     idle.append(worker)
                 except (EOFError, OSError):
                     worker.end()
-                    remove(workshop(task.target, worker.process.pid))
+                    remove_path(partial_folder(task.target, worker.process.pid))
                     code = worker.process.exitcode
                     report = Report(task, fault=f'{task.source}: its process died, status {code}')
                     idle.append(Worker(board))
@@ -153,10 +163,7 @@ def in_processes(
             worker.end()
 
 
-# On a cluster
-
-
-def on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Report]]:
+def run_on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Report]]:
     """Process recordings on a Dask cluster that sees the same files."""
     try:
         from dask.distributed import Client, as_completed
@@ -170,7 +177,7 @@ def on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Repor
         raise RecordingError(f'--dask {address}: not reached: {error}') from None
     with client:
         futures = {
-            client.submit(run, anywhere(task), pure=False): number
+            client.submit(run_task, make_absolute(task), pure=False): number
             for number, task in enumerate(tasks)
         }
         try:
@@ -179,13 +186,13 @@ def on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Repor
                 try:
                     report = replace(future.result(), task=tasks[number])
                 except Exception as error:
-                    report = failed(tasks[number], error)
+                    report = report_failure(tasks[number], error)
                 yield number, report
         finally:
             client.cancel(list(futures))
 
 
-def anywhere(task: Task) -> Task:
+def make_absolute(task: Task) -> Task:
     """Return a task with paths that hold in any folder."""
     options = task.options
     model = Path(options.muscle)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..errors import RecordingError
-from ..processing.outputs import remove
+from ..files import remove_path
 from .chapters import experiments as experiments_chapter
 from .chapters import fidelity as fidelity_chapter
 from .chapters import interference as interference_chapter
@@ -90,7 +90,7 @@ def filled(folder: Path) -> Iterator[Path]:
     except OSError as error:
         raise RecordingError(f'{folder}: not written: {error.strerror or error}') from None
     finally:
-        remove(workshop)
+        remove_path(workshop)
         if made and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
 

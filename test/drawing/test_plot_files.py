@@ -19,7 +19,7 @@ from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.drawing.plot import figures, save_figures
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.processing.reading import read
+from linkedplane_ros.processing.reading import read_processed
 
 pytestmark = requires('matplotlib')
 
@@ -149,7 +149,7 @@ def test_a_bag_is_drawn_as_it_stands(tmp_path: Path) -> None:
     options = ['--signs', '1', '-1', '1', '--offsets', '0.1', '0', '0', '--side', 'left']
     for name in ('out', 'out.csv'):
         assert exit_status([str(source), str(tmp_path / name), *options]) == 0
-    bag, table = (read(tmp_path / name) for name in ('out', 'out.csv'))
+    bag, table = (read_processed(tmp_path / name) for name in ('out', 'out.csv'))
     assert (bag.bands, bag.coordinates, bag.heads) == (table.bands, table.coordinates, table.heads)
     for name in ('angles', 'lengths', 'arms', 'wrap'):
         np.testing.assert_array_equal(getattr(bag, name), getattr(table, name))

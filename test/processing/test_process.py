@@ -31,7 +31,7 @@ from rosbags.rosbag2 import StoragePlugin
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros.processing.options import Options
-from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.processing.task import Task, run_task
 
 
 def without_numbers(message: Any) -> None:
@@ -51,7 +51,7 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
 ) -> None:
     sent = odd_motion()
     source = write(tmp_path / 'in', sent, plugin)
-    report = run(Task(source, tmp_path / 'out', Options(side=side)))
+    report = run_task(Task(source, tmp_path / 'out', Options(side=side)))
     assert report.fault == ''
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent
@@ -75,13 +75,13 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
 def test_a_bag_may_end_with_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr('linkedplane_ros.recordings.bag_motion.ROWS', 10)
     sent = [joint_state(k) for k in range(20)]
-    assert run(Task(write(tmp_path / 'in', sent), tmp_path / 'out')).fault == ''
+    assert run_task(Task(write(tmp_path / 'in', sent), tmp_path / 'out')).fault == ''
     assert [each for each in contents(tmp_path / 'out') if each[0] == '/joint_states'] == sent
 
 
 def test_each_answer_stands_behind_its_message_and_has_its_time(tmp_path: Path) -> None:
     source = write(tmp_path / 'in', odd_motion())
-    run(Task(source, tmp_path / 'out'))
+    run_task(Task(source, tmp_path / 'out'))
     found = contents(tmp_path / 'out')
     times: dict[int, list[str]] = {}
     for topic, _, time, _ in found:
@@ -102,7 +102,7 @@ def test_compressed_bags_are_read_and_their_storage_is_kept(
         pytest.skip('the library does not write such a bag')
     sent = [joint_state(k) for k in range(5)]
     source = write(tmp_path / 'in', sent, plugin, mode)
-    assert run(Task(source, tmp_path / 'out')).fault == ''
+    assert run_task(Task(source, tmp_path / 'out')).fault == ''
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] == '/joint_states'] == sent
     ending = '.mcap' if plugin is MCAP else '.db3'
@@ -133,7 +133,7 @@ def test_a_filtered_bag_keeps_its_messages_and_has_its_new_angles_beside_them(
         monkeypatch.setattr(f'linkedplane_ros.recordings.{module}.ROWS', size)
     sent = swing(tmp_path)
     source = write(tmp_path / 'in', sent, plugin)
-    report = run(Task(source, tmp_path / 'out', Options(rate=rate, lowpass=6.0)))
+    report = run_task(Task(source, tmp_path / 'out', Options(rate=rate, lowpass=6.0)))
     assert (report.fault, report.frames) == ('', 1 + 4 * rate)
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent

@@ -23,7 +23,7 @@ from bags import (
 from optional import requires
 from rosbags.rosbag2 import StoragePlugin
 
-from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.processing.task import Task, run_task
 
 
 def truncated(tmp_path: Path) -> Path:
@@ -96,7 +96,7 @@ def test_frames_outside_the_models_range_are_counted(tmp_path: Path) -> None:
     lines = ['time,flexion,abduction,rotation']
     lines += [f'{k},{",".join(map(str, outside if k < 3 else inside))}' for k in range(10)]
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
-    assert run(Task(tmp_path / 'in.csv', tmp_path / 'out.csv')).outside == 3
+    assert run_task(Task(tmp_path / 'in.csv', tmp_path / 'out.csv')).outside == 3
 
 
 @requires('resource')
@@ -122,7 +122,7 @@ def test_a_full_disk_is_one_line(tmp_path: Path, name: str, storage: StoragePlug
 def test_a_bags_file_alone_becomes_an_annotated_bag(tmp_path: Path) -> None:
     sent = odd_motion()
     source = write(tmp_path / 'in', sent) / 'in.mcap'
-    assert run(Task(source, tmp_path / 'out')).fault == ''
+    assert run_task(Task(source, tmp_path / 'out')).fault == ''
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent
 
@@ -130,7 +130,7 @@ def test_a_bags_file_alone_becomes_an_annotated_bag(tmp_path: Path) -> None:
 def test_times_before_zero_keep_their_values(tmp_path: Path) -> None:
     lines = ['time,flexion,abduction,rotation', *(f'{t},0.1,0.2,0.3' for t in (-1.5, -0.4, 0.25))]
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
-    run(Task(tmp_path / 'in.csv', tmp_path / 'out.csv'))
+    run_task(Task(tmp_path / 'in.csv', tmp_path / 'out.csv'))
     assert rows(tmp_path / 'out.csv')[2][:, 0].tolist() == [-1.5, -0.4, 0.25]
 
 

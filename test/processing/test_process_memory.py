@@ -12,17 +12,17 @@ from bags import NAMES, NONE, ONE, STORE, T0, Sent, joint_state, write
 from optional import requires
 
 from linkedplane_ros.joints.joint_state import JointMap
-from linkedplane_ros.processing.cdr import JointStates
+from linkedplane_ros.processing.cdr import JointStateSerializer
 from linkedplane_ros.recordings.bag_motion import BagMotion
 
 MEMORY = """
 import resource, sys
 from pathlib import Path
-from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.processing.task import Task, run_task
 held = []
 def progress(frames, share):
     held.append((frames, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024))
-report = run(Task(Path(sys.argv[1]), Path(sys.argv[2])), progress)
+report = run_task(Task(Path(sys.argv[1]), Path(sys.argv[2])), progress)
 assert not report.fault, report.fault
 print(held[-1][0], held[-1][1] - next(mib for count, mib in held if count >= 10_000))
 """
@@ -36,7 +36,7 @@ def test_memory_does_not_grow_with_the_recording(tmp_path: Path, ending: str) ->
     names = list(NAMES)
     stamps = T0 + np.arange(30_000) * 10**7
     angles = np.tile((0.5, 0.4, 0.2), (len(stamps), 1))
-    messages = JointStates(STORE, names, '').filled(stamps, angles, angles)
+    messages = JointStateSerializer(STORE, names, '').serialize(stamps, angles, angles)
     kind = 'sensor_msgs/msg/JointState'
     source = write(
         tmp_path / 'in',

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from bags import BAG, contents, exit_status, joint_state, note, odd_motion, refused, write
 
-from linkedplane_ros.processing.inputs import recordings
+from linkedplane_ros.processing.inputs import find_recordings
 
 
 def test_an_output_that_exists_is_left_alone_without_force(
@@ -146,5 +146,5 @@ def test_a_folder_holds_bags_and_tables_in_the_order_of_their_names(tmp_path: Pa
     write(tmp_path / 'b', [joint_state(0)])
     for name in ('c.mot', 'a.sto', 'notes.txt', 'd.CSV'):
         (tmp_path / name).touch()
-    found, faults = recordings([str(tmp_path)])
+    found, faults = find_recordings([str(tmp_path)])
     assert ([each.name for each in found], faults) == (['a.sto', 'b', 'c.mot', 'd.CSV'], [])

@@ -14,7 +14,7 @@ from ros_harness import TOPICS
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.processing.options import Options
-from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.processing.task import Task, run_task
 
 TSM = Options(convention='opensim_tsm')
 
@@ -23,7 +23,7 @@ def test_a_motion_file_a_table_and_a_bag_of_one_motion_agree(shared: Path, tmp_p
     folder = shared / 'recordings'
     made = {}
     for name in ('abduction.mot', 'abduction.csv', 'abduction_mcap'):
-        report = run(Task(folder / name, tmp_path / f'{name}.csv', TSM))
+        report = run_task(Task(folder / name, tmp_path / f'{name}.csv', TSM))
         assert (report.fault, report.frames) == ('', 1091)
         made[name] = rows(tmp_path / f'{name}.csv')
     _, names, mot = made['abduction.mot']
@@ -48,7 +48,7 @@ def test_lengthening_from_a_table_is_the_slope_of_the_length(tmp_path: Path) -> 
     lines = ['time,flexion,abduction,rotation']
     lines += [f'{t!r},{0.5 + 0.4 * math.sin(2 * t)!r},0.3,0.1' for t in times.tolist()]
     (tmp_path / 'sine.csv').write_text('\n'.join(lines) + '\n')
-    run(Task(tmp_path / 'sine.csv', tmp_path / 'out.csv'))
+    run_task(Task(tmp_path / 'sine.csv', tmp_path / 'out.csv'))
     _, names, values = rows(tmp_path / 'out.csv')
     length, speed = (values[:, names.index(f'{kind}/anterior_2')]
                      for kind in ('band_lengths', 'lengthening'))  # fmt: skip
@@ -64,12 +64,12 @@ def test_the_size_of_a_chunk_does_not_show(
     lines = ['time,flexion,abduction,rotation']
     lines += [f'{0.01 * k},{0.1 * math.sin(k)},0.3,{"nan" if k == 20 else 0.1}' for k in range(50)]
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
-    whole = [run(Task(source, tmp_path / f'whole{k}.csv'))
+    whole = [run_task(Task(source, tmp_path / f'whole{k}.csv'))
              for k, source in enumerate((bag, tmp_path / 'in.csv'))]  # fmt: skip
     for module in ('bag_motion', 'table_motion'):
         monkeypatch.setattr(f'linkedplane_ros.recordings.{module}.ROWS', size)
     for k, report in enumerate(whole):
-        again = run(Task(report.task.source, tmp_path / f'part{k}.csv'))
+        again = run_task(Task(report.task.source, tmp_path / f'part{k}.csv'))
         assert again.refused == report.refused
         part, all_at_once = (rows(tmp_path / f'{name}{k}.csv')[2] for name in ('part', 'whole'))
         # differences in time and products of matrices round otherwise in other company
@@ -82,7 +82,7 @@ def test_parquet_holds_the_numbers_of_csv(tmp_path: Path) -> None:
 
     source = write(tmp_path / 'in', odd_motion())
     for name in ('out.csv', 'out.parquet'):
-        assert run(Task(source, tmp_path / name)).fault == ''
+        assert run_task(Task(source, tmp_path / name)).fault == ''
     facts, names, values = rows(tmp_path / 'out.csv')
     table = parquet.read_table(tmp_path / 'out.parquet')
     assert table.column_names == ['stamp', *names]
@@ -98,7 +98,7 @@ def test_a_motion_file_becomes_a_bag_that_the_node_would_answer_alike(
     ros: None, shared: Path, tmp_path: Path
 ) -> None:
     task = Task(shared / 'recordings' / 'flexion.mot', tmp_path / 'out', TSM)
-    assert run(task).fault == ''
+    assert run_task(task).fault == ''
     found = contents(tmp_path / 'out')
     said = node_says(found, joint_convention='opensim_tsm', **{'markers.details': False})
     del said['markers'][0]
@@ -117,7 +117,7 @@ def test_a_filter_and_a_rate_are_carried_out_and_recorded(tmp_path: Path) -> Non
              for t, q in zip(times.tolist(), noisy.tolist(), strict=True))]  # fmt: skip
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
     task = Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(rate=50.0, lowpass=6.0))
-    assert run(task).frames == 201
+    assert run_task(task).frames == 201
     facts, _, values = rows(tmp_path / 'out.csv')
     assert (facts['resampled_to_hz'], facts['velocities']) == ('50', 'differentiated')
     assert facts['lowpass_hz'].startswith('6 ')
@@ -143,7 +143,7 @@ def test_the_output_says_what_was_read_and_how(shared: Path, tmp_path: Path) -> 
         (Task(bag, tmp_path / 'd.csv', Options(rate=50.0)),
          {'velocities': 'differentiated', 'angles_topic': '/deltoid/joint_states'}),
     ):  # fmt: skip
-        report = run(task)
+        report = run_task(task)
         assert report.fault == ''
         facts, _, _ = rows(task.target)
         assert said.items() <= facts.items()

@@ -17,7 +17,7 @@ from bags import odd_motion, refused, write
 from optional import requires
 
 from linkedplane_ros.processing.task import Task
-from linkedplane_ros.processing.workers import Worker, run_all
+from linkedplane_ros.processing.workers import Worker, run_tasks
 
 PROCESS = [sys.executable, '-m', 'linkedplane_ros.commands', 'process']
 
@@ -27,7 +27,7 @@ def test_the_results_do_not_depend_on_how_many_work_at_a_time(tmp_path: Path) ->
     for jobs in (1, 2):
         (tmp_path / str(jobs)).mkdir()
         made = [Task(s, tmp_path / str(jobs) / f'{s.name}.csv') for s in sources]
-        reports = list(run_all(made, jobs, None))
+        reports = list(run_tasks(made, jobs, None))
         assert all(not report.fault for report in reports)
     for s in sources:
         one, two = (tmp_path / str(jobs) / f'{s.name}.csv' for jobs in (1, 2))
@@ -46,7 +46,7 @@ def test_a_cluster_gives_what_one_process_gives(tmp_path: Path) -> None:
     ) as cluster:
         for place, address in (('here', None), ('there', cluster.scheduler_address)):
             made = [Task(s, tmp_path / place / f'{s.name}.csv') for s in sources]
-            reports = list(run_all(made, 1, address))
+            reports = list(run_tasks(made, 1, address))
             assert [report.fault for report in reports] == [''] * 3
     for s in sources:
         here, there = (tmp_path / place / f'{s.name}.csv' for place in ('here', 'there'))
@@ -102,7 +102,7 @@ def test_a_worker_that_dies_costs_its_recording_alone(tmp_path: Path) -> None:
     sources = long_recordings(tmp_path, 3)
     (tmp_path / 'out').mkdir()
     made = [Task(source, tmp_path / 'out' / f'{k}.csv') for k, source in enumerate(sources)]
-    reports = run_all(made, 2, None)
+    reports = run_tasks(made, 2, None)
     with ThreadPoolExecutor(1) as pool:
         collected = pool.submit(list, reports)
         while not parts(tmp_path / 'out'):
@@ -132,7 +132,7 @@ def test_a_worker_may_die_before_it_has_read_its_task(
 
     monkeypatch.setattr(Worker, 'begin', begin_and_die)
     made = [Task(write(tmp_path / f'in{k}', odd_motion()), tmp_path / f'{k}.csv') for k in (0, 1)]
-    reports = {report.task.source.name: report.fault for report in run_all(made, 2, None)}
+    reports = {report.task.source.name: report.fault for report in run_tasks(made, 2, None)}
     assert reports == {'in0': f'{tmp_path / "in0"}: its process died, status -9', 'in1': ''}
 
 
@@ -176,7 +176,7 @@ def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> N
     bag = write(tmp_path / 'bag', odd_motion())
     made = [Task(each, tmp_path / f'{k}.out') for k, each in enumerate((table, short, bag))]
     seen: list[tuple[int, float]] = []
-    reports = list(run_all(made, jobs, None, lambda frames, share: seen.append((frames, share))))
+    reports = list(run_tasks(made, jobs, None, lambda frames, share: seen.append((frames, share))))
     assert [report.fault for report in reports] == ['', '', '']
     assert seen == sorted(seen)
     assert seen[-1] == (sum(report.frames for report in reports), pytest.approx(1.0))

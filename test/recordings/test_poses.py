@@ -16,7 +16,7 @@ from sensor_msgs.msg import JointState
 from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.processing.options import Options
-from linkedplane_ros.processing.task import Task, run
+from linkedplane_ros.processing.task import Task, run_task
 from linkedplane_ros.recordings.poses import glenohumeral_rotation
 
 
@@ -75,7 +75,7 @@ def test_two_poses_give_the_angles_between_them(tmp_path: Path, kind: str, axes:
         sent += [pose(k, '/scapula', lab(k), kind), pose(k, '/humerus', lab(k) @ R, kind)]
     source = write(tmp_path / 'in', sent)
     options = replace(ON_TOPICS, frame_axes=axes)
-    report = run(Task(source, tmp_path / 'out.csv', options))
+    report = run_task(Task(source, tmp_path / 'out.csv', options))
     assert (report.fault, report.frames) == ('', 30)
     facts, _, values = rows(tmp_path / 'out.csv')
     np.testing.assert_allclose(values[:, 1:4], ANGLES, rtol=0, atol=1e-9)
@@ -90,7 +90,7 @@ def test_a_left_arms_poses_give_the_same_anatomical_angles(tmp_path: Path) -> No
         sent += [pose(k, '/humerus', lab(k) @ left), pose(k, '/scapula', lab(k))]
     source = write(tmp_path / 'in', sent)
     task = Task(source, tmp_path / 'out.csv', replace(ON_TOPICS, side='left'))
-    assert run(task).frames == 30
+    assert run_task(task).frames == 30
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
 
@@ -101,7 +101,7 @@ def test_poses_on_topics_count_together_only_at_one_stamp(tmp_path: Path) -> Non
     sent.sort(key=lambda each: each[2])
     source = write(tmp_path / 'in', sent)
     task = Task(source, tmp_path / 'out.csv', ON_TOPICS)
-    assert run(task).frames == 10
+    assert run_task(task).frames == 10
     np.testing.assert_allclose(
         rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES[::3], rtol=0, atol=1e-9
     )
@@ -123,7 +123,7 @@ def test_frames_of_tf_are_found_by_their_names(tmp_path: Path) -> None:
         )
     source = write(tmp_path / 'in', sent)
     task = Task(source, tmp_path / 'out.csv', IN_TREE)
-    assert run(task).frames == 30
+    assert run_task(task).frames == 30
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
 
@@ -152,7 +152,7 @@ def test_frames_that_do_not_hang_together_are_named(
 ) -> None:
     sent = [tree(k, ('lab', 'humerus', lab(k)), ('map', 'scapula', lab(k))) for k in range(3)]
     source = write(tmp_path / 'in', sent)
-    report = run(Task(source, tmp_path / 'out', replace(IN_TREE, humerus=humerus)))
+    report = run_task(Task(source, tmp_path / 'out', replace(IN_TREE, humerus=humerus)))
     assert report.fault == f'{source}: nothing was usable: {line}'
 
 
@@ -160,7 +160,7 @@ def test_poses_that_never_come_at_one_stamp_are_named(tmp_path: Path) -> None:
     sent = [pose(2 * k, '/humerus', lab(k)) for k in range(3)]
     sent += [pose(2 * k + 1, '/scapula', lab(k)) for k in range(3)]
     source = write(tmp_path / 'in', sent)
-    report = run(Task(source, tmp_path / 'out', ON_TOPICS))
+    report = run_task(Task(source, tmp_path / 'out', ON_TOPICS))
     assert 'poses of /humerus or /scapula without the other at their stamp' in report.fault
 
 
@@ -174,7 +174,7 @@ def test_a_topic_may_lag_behind_the_other(tmp_path: Path) -> None:
     del late[20]
     sent = sorted([*scapula, *late], key=lambda each: each[2])
     source = write(tmp_path / 'in', sent)
-    report = run(Task(source, tmp_path / 'out.csv', ON_TOPICS))
+    report = run_task(Task(source, tmp_path / 'out.csv', ON_TOPICS))
     assert (report.frames, dict(report.refused)) == (29, {'alone': 1})
     want = np.delete(ANGLES, 20, axis=0)
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], want, rtol=0, atol=1e-9)
@@ -193,7 +193,7 @@ def test_frames_of_one_stamp_may_come_in_several_messages_among_bad_ones(
         sent.append(tree(k, ('lab', 'scapula', lab(k))))
     source = write(tmp_path / 'in', sent)
     options = replace(IN_TREE, humerus=f'{slash}humerus', scapula=f'{slash}scapula')
-    report = run(Task(source, tmp_path / 'out.csv', options))
+    report = run_task(Task(source, tmp_path / 'out.csv', options))
     assert (report.fault, report.frames, dict(report.refused)) == ('', 30, {})
     np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
@@ -207,7 +207,7 @@ def test_a_bag_of_poses_gets_the_angles_and_can_be_plotted(
         sent += [pose(k, '/scapula', lab(k))]
         sent += [pose(k, '/humerus', lab(k) @ convention.rotation(angles))]
     source = write(tmp_path / 'in', sent)
-    assert run(Task(source, tmp_path / 'out', ON_TOPICS)).frames == 30
+    assert run_task(Task(source, tmp_path / 'out', ON_TOPICS)).frames == 30
     found = contents(tmp_path / 'out')
     assert [each for each in found if not each[0].startswith('/deltoid/')] == sent
     told = [

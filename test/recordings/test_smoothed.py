@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros.processing.options import Options
-from linkedplane_ros.processing.task import Report, Task, run
+from linkedplane_ros.processing.task import Report, Task, run_task
 
 
 def turning(
@@ -25,7 +25,7 @@ def turning(
         angle = math.remainder(3.0 + t, math.tau)
         lines.append(f'{t!r},0.3,0.2,{angle!r}')
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
-    return run(Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(**options)))
+    return run_task(Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(**options)))
 
 
 TENTHS = [0.01 * k for k in range(101)]
@@ -62,7 +62,7 @@ def test_a_jump_of_the_angles_is_not_filtered_away(tmp_path: Path) -> None:
     lines = ['time,flexion,abduction,rotation']
     lines += [f'{0.01 * k},{0.1 if k < 20 else 0.1 + math.pi / 2},0.3,0.1' for k in range(50)]
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
-    fault = run(Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(lowpass=6.0))).fault
+    fault = run_task(Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(lowpass=6.0))).fault
     assert 'in.csv: an angle jumps by 1.57 rad at 0.19 s, as at a singularity' in fault
 
 
@@ -73,7 +73,7 @@ def test_stamps_that_go_back_are_counted_and_of_equal_ones_the_last_counts(tmp_p
                  joint_state(k, ('rotation',), position=[0.1])]  # fmt: skip
     again = [(topic, kind, time + 10**9, data) for topic, kind, time, data in sent[20:24]]
     source = write(tmp_path / 'in', sent + again)
-    report = run(Task(source, tmp_path / 'out.csv', Options(rate=100.0)))
+    report = run_task(Task(source, tmp_path / 'out.csv', Options(rate=100.0)))
     assert (report.frames, dict(report.refused)) == (50, {'incomplete': 1, 'earlier': 4})
     flexion = rows(tmp_path / 'out.csv')[2][:, 1]
     np.testing.assert_allclose(flexion, 0.3 + 0.01 * np.arange(50), rtol=0, atol=1e-9)
@@ -82,7 +82,7 @@ def test_stamps_that_go_back_are_counted_and_of_equal_ones_the_last_counts(tmp_p
 def test_velocities_may_be_differences_in_a_bag_too(tmp_path: Path) -> None:
     sent = [joint_state(k, velocity=[]) for k in range(50)]
     source = write(tmp_path / 'in', sent)
-    assert run(Task(source, tmp_path / 'out', Options(differentiate=True))).frames == 50
+    assert run_task(Task(source, tmp_path / 'out', Options(differentiate=True))).frames == 50
     found = contents(tmp_path / 'out')
     assert [each for each in found if each[0] == '/joint_states'] == sent
     told = [
@@ -101,7 +101,7 @@ def test_a_bags_count_of_messages_may_be_wrong(tmp_path: Path) -> None:
     text = metadata.read_text()
     metadata.write_text(text.replace('message_count: 64', 'message_count: 1'))
     assert text != metadata.read_text()
-    assert run(Task(source, tmp_path / 'out', Options(rate=30.0))).fault == ''
+    assert run_task(Task(source, tmp_path / 'out', Options(rate=30.0))).fault == ''
     times = [time for _, _, time, _ in contents(tmp_path / 'out')]
     assert times == sorted(times)
     assert STORE
