@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from .errors import LinkedPlaneError, ModelError, RecordingError
     from .joints.conventions import JOINT_CONVENTIONS, JointConvention
     from .muscle.broad_muscle import BroadMuscle, Head, Landmark
-    from .solver.linked_plane_solver import LinkedPlaneSolver, MuscleState, MuscleStates, WrapState
+    from .solver.linked_plane_solver import LinkedPlaneSolver
+    from .solver.states import MuscleState, MuscleStates, WrapState
 
 __version__ = '0.1.0'
 __all__ = [
@@ -34,12 +35,8 @@ _PLACES = {
     'errors': ('LinkedPlaneError', 'ModelError', 'RecordingError'),
     'joints.conventions': ('JOINT_CONVENTIONS', 'JointConvention'),
     'muscle.broad_muscle': ('BroadMuscle', 'Head', 'Landmark'),
-    'solver.linked_plane_solver': (
-        'LinkedPlaneSolver',
-        'MuscleState',
-        'MuscleStates',
-        'WrapState',
-    ),
+    'solver.linked_plane_solver': ('LinkedPlaneSolver',),
+    'solver.states': ('MuscleState', 'MuscleStates', 'WrapState'),
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import LinkedPlaneSolver, WrapState
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import WrapState
 from .values import add_muscle, add_scale, add_side
 
 

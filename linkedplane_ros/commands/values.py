@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Callable
 
-from ..joints.conventions import SIDES
+from ..joints.sides import SIDES
 
 
 def positive_number(text: str) -> float:

@@ -12,7 +12,8 @@ from ..errors import ModelError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.check import DEFAULT_RANGE, told
-from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState, WrapState
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import MuscleState, WrapState
 from ..types import Floats
 from .colours import head_colours, sphere_colours
 from .figure_files import import_matplotlib, write_figure
@@ -115,7 +116,7 @@ def draw_state(axes: Any, state: MuscleState) -> None:
         axes.plot(*MILLIMETRES * path.T, color=colour, linestyle=':' if dashed else '-')
     for ends, mark in ((solver.origins, 'o'), (state.insertions, 's')):
         axes.scatter(*MILLIMETRES * ends.T, c=colours, marker=mark, s=10, depthshade=False)
-    shaft = state.moved(np.array(((0.0, 0.0, 0.0), (0.0, 0.0, muscle.insertions[:, 2].min()))))
+    shaft = state.to_scapula(np.array(((0.0, 0.0, 0.0), (0.0, 0.0, muscle.insertions[:, 2].min()))))
     axes.plot(*MILLIMETRES * shaft.T, color='0.7', linewidth=3.0, zorder=0)
 
 

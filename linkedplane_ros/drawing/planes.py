@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..linked_planes.vectors import cross, dot, minus, mix, norm, plus, times
-from ..solver.linked_plane_solver import MuscleState
+from ..solver.states import MuscleState
 from ..types import Floats
 
 
@@ -42,4 +42,4 @@ def plane_patches(state: MuscleState, width: float) -> Floats:
         n = mix(math.cos(phi), m, math.sin(phi), cross(u, m))
         e = times(width, cross(u, n))
         corners.append((P, S, plus(S, e), plus(P, e)))
-    return state.solver.mirrored(np.array(corners))
+    return state.solver.to_side(np.array(corners))

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.interference import depths
-from ..solver.linked_plane_solver import MuscleState, WrapState
+from ..solver.states import MuscleState, WrapState
 from ..types import Colour, Floats, Point
 from .bones import BONE, HEAD_RADIUS, SHAFT_END, SHAFT_RADIUS, SHAFT_START, shaft_axis
 from .colours import head_colours, sphere_colours
@@ -176,10 +176,10 @@ class MuscleShapes:
         a band that touches no interference sphere.
         """
         origins = state.solver.origins
-        orientation = quaternion_from_z_axis(state.moved(UP))
+        orientation = quaternion_from_z_axis(state.to_scapula(UP))
         places = [
             Placement(),
-            Placement(state.moved(self._shaft_centre), orientation),
+            Placement(state.to_scapula(self._shaft_centre), orientation),
             Placement(points=origins),
             Placement(points=origins),
             Placement(points=state.insertions),
@@ -199,7 +199,7 @@ def detail_placements(state: MuscleState) -> Iterator[Placement]:
         yield Placement(points=np.array((a, b, c, a, c, d)))
     if not len(solver.muscle.interference_radii):
         return
-    for centre in solver.mirrored(solver.muscle.interference_centres):
+    for centre in solver.to_side(solver.muscle.interference_centres):
         yield Placement(centre)
     depth, deepest = depths(state)
     for i, k in enumerate(depth.argmax(axis=1).tolist()):

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import RecordingError
-from ..joints.conventions import JOINT_CONVENTIONS, JointConvention, turn
+from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.rotations import rotation_about
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.tables import csv_rows, find_column, join_names, open_lines, parse_number
 from ..types import Floats
@@ -60,7 +61,7 @@ class Measurement:
         """Return the rotation (3, 3) and the axis (3,) of the moment arm, both in the scapula."""
         if self.convention is None:
             axis = np.array(MOTIONS[self.motion])
-            return turn(axis, self.angles[0]), axis
+            return rotation_about(axis, self.angles[0]), axis
         rotation, axes = self.convention.rotation_and_axes(self.angles)
         return rotation, axes[:, self.convention.coordinates.index(self.motion)]
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from math import cos, inf, sin
 from typing import Any
 
+from ..joints.rotations import matrix_rows
 from ..linked_planes.band import PIERCED
 from ..linked_planes.chain import Band, Section, bands_at, plane_at, state_at
 from ..linked_planes.compiled import compiled, entry
@@ -30,7 +31,6 @@ from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
 from ..linked_planes.path import deepest, halfway, path_of
 from ..linked_planes.vectors import ZERO, cross, dot, minus, norm, times
-from ..solver.kernels import rows_of
 
 PHI = COS_PHI  # where phi stands among the numbers of a band
 
@@ -138,7 +138,7 @@ def evaluate(
         origin, before = band_vectors(muscle, i)[0], band_vectors(muscle, i - 1)[0]
         spacing[i - 1] = norm(minus(origin, before))
     for j in range(len(rotations)):
-        rotation = rows_of(rotations[j])
+        rotation = matrix_rows(rotations[j])
         bands = bands_at(muscle, rotation)
         if len(bands) < n:
             return j, 0.0

@@ -10,7 +10,8 @@ import numpy as np
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.check import DEFAULT_RANGE
-from ..solver.linked_plane_solver import LinkedPlaneSolver, WrapState
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import WrapState
 from ..types import Floats, Intervals
 from .criterion import grid, posed, side_of, spheres_of
 from .parameters import flat_numbers

@@ -11,53 +11,88 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..linked_planes.compiled import compiled, entry
-from ..types import Floats
+from ..errors import LinkedPlaneError
+from ..linked_planes.compiled import entry
+from ..types import Floats, Interval, Triple
+from .rotations import as_rotation, rotation_about, rotation_rows
+from .sides import check_side, mirror_columns
 
-Rows = tuple[tuple[float, float, float], ...]
+Triples = tuple[Triple, Triple, Triple]
 
-SIDES = ('right', 'left')
-LEFT_AXES = np.array([[1.0], [-1.0], [-1.0]])  # axes of rotation mirrored, x -> -x
+IDENTITY: Triples = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 NEAR_SINGULAR = 0.02  # the sine of the elevation below which two moment arms are nearly one
 SINGULAR = 1e-14  # below this sine the first and third turn are about one axis
-TOLERANCE = 1e-6  # how far R^T R of a rotation may be from the identity
 
 
 @dataclass(frozen=True)
 class JointConvention:
     """Three angles as a sequence of turns about axes that move with the humerus.
 
-    rotation = R(axis 1, m1) R(axis 2, m2) R(axis 3, m3), with m = mix @ angles: mix is the identity
-    but where a convention turns by a difference of two of its coordinates.
+    The rotation is R(axis 1, m1) R(axis 2, m2) R(axis 3, m3), with m = mix @ angles; mix is the
+    identity but where a convention turns by a difference of two of its coordinates.
     """
 
     name: str
     coordinates: tuple[str, str, str]
-    sequence: Rows
+    """What the three angles are called."""
+    sequence: Triples
     """The three axes of the turns, each in the frame that the turns before it have made."""
-    middle: tuple[float, float]
+    middle: Interval
     """The range of the second turn, rad, in which `angles` answers."""
     formula: str
+    """The rotation in words, for people."""
     relative_to: str
     """What the convention's usual streams measure the humerus against."""
-    mix: Rows = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    mix: Triples = IDENTITY
+    """(3, 3) what each turn takes of each angle."""
 
     def rotation(self, angles: npt.ArrayLike) -> Floats:
-        """Return the (3, 3) rotation humerus -> scapula of three angles (3,), rad."""
+        """Return the rotation humerus -> scapula of three angles.
+
+        Parameters
+        ----------
+        angles
+            (3,) rad.
+
+        Returns
+        -------
+        (3, 3) the right shoulder's; the left shoulder is solved for the same one.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but three finite numbers.
+
+        """
         return self.rotation_and_axes(angles)[0]
 
     def axes(self, angles: npt.ArrayLike, side: str = 'right') -> Floats:
-        """Return (3, 3): column j is the unit axis about which coordinate j turns the humerus.
+        """Return the axes about which the coordinates turn the humerus.
 
-        Scapula frame, at this pose (3,), rad. (Where a coordinate enters two turns its column is
-        their sum and not of unit length.) For side='left' the axes are those of the left scapula
-        frame, x to the body's right: mirrored as axes of rotation are, (x, -y, -z).
+        Parameters
+        ----------
+        angles
+            (3,) rad.
+        side
+            'right', or 'left' for the axes in the left scapula's frame, x to the body's right:
+            mirrored as axes of rotation are, (x, -y, -z).
+
+        Returns
+        -------
+        (3, 3) column j is the unit axis of coordinate j at this pose, scapula frame. Where a
+        coordinate enters two turns its column is their sum, and not of unit length.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but three finite numbers, and for another side.
+
         """
         return self.rotation_and_axes(angles, side)[1]
 
@@ -65,46 +100,52 @@ class JointConvention:
         self, angles: npt.ArrayLike, side: str = 'right'
     ) -> tuple[Floats, Floats]:
         """Return `rotation` (always the right shoulder's) and `axes` of three angles, at once."""
-        if side not in SIDES:
-            raise ValueError(f"side: {side!r} given, 'right' or 'left' expected")
-        rotation, axes = np.empty((3, 3)), np.empty((3, 3))
-        turn_in_sequence(self._units, self._mix, three(angles), rotation, axes)
-        return rotation, axes * LEFT_AXES if side == 'left' else axes
+        given = np.array([as_triple('angles', angles, 'rad')])
+        rotations, axes = self.rotations_and_axes(given, side)
+        return rotations[0], axes[0]
 
     def rotations_and_axes(self, angles: Floats, side: str = 'right') -> tuple[Floats, Floats]:
         """Return `rotation` and `axes` (m, 3, 3) of many angles (m, 3), finite, rad."""
+        check_side(side)
         rotations, axes = np.empty((len(angles), 3, 3)), np.empty((len(angles), 3, 3))
         for each, rotation, columns in zip(angles, rotations, axes, strict=True):
-            turn_in_sequence(self._units, self._mix, each, rotation, columns)
-        return rotations, axes * LEFT_AXES if side == 'left' else axes
+            turn_in_sequence(*self.units_and_mix, each, rotation, columns)
+        if side == 'left':
+            axes = mirror_columns(axes)
+        return rotations, axes
 
-    def _unmixed(self, turns: Floats) -> Floats:
-        return np.asarray(np.linalg.solve(self._mix, turns), dtype=np.float64)
-
-    @property
-    def sequence_and_mix(self) -> tuple[Floats, Floats]:
+    @cached_property
+    def units_and_mix(self) -> tuple[Floats, Floats]:
         """(3, 3) the unit axes of the turns, by rows, and the mix, as the kernels take them."""
-        return self._units, self._mix
-
-    @cached_property
-    def _units(self) -> Floats:
         axes = np.array(self.sequence, dtype=np.float64)
-        return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
-
-    @cached_property
-    def _mix(self) -> Floats:
-        return np.array(self.mix, dtype=np.float64)
+        units = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+        return units, np.array(self.mix, dtype=np.float64)
 
     def angles(self, rotation: npt.ArrayLike) -> Floats:
-        """Return the angles (3,), rad, of a (3, 3) rotation: the inverse of `rotation`.
+        """Return the angles of a rotation: the inverse of `rotation`.
 
         The second turn is taken in `middle`, so an elevation is not negative. Where the first and
         the third turn share an axis (arm at the side, for the conventions with an elevation) only
-        their sum is defined: the first is then 0. ValueError where no angles give the rotation
-        (opensim_tsm alone, for its third axis leans; see the message).
+        their sum is defined: the first is then 0.
+
+        Parameters
+        ----------
+        rotation
+            (3, 3) humerus -> scapula, right shoulder.
+
+        Returns
+        -------
+        (3,) rad.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but a proper rotation, and where no angles give it (opensim_tsm alone, for
+            its third axis leans; see the message).
+
         """
-        R = proper(rotation)
-        e1, e2, e3 = self._units
+        R = as_rotation(rotation)
+        (e1, e2, e3), mix = self.units_and_mix
         # R^T e1 = R3^T R2^T e1, and R2^T e1 keeps its component along e2: one equation for m3
         w = R.T @ e1
         along = (e3 @ w) * e3
@@ -112,38 +153,52 @@ class JointConvention:
         cosine, sine = e2 @ (w - along), e2 @ np.cross(e3, w)
         swing = np.hypot(cosine, sine)
         if abs(constant) > swing + 1e-9:
-            raise ValueError(
+            raise LinkedPlaneError(
                 f'rotation: no {self.name} angles give it: seen from the humerus, the first axis '
                 f'lies within {np.degrees(np.arcsin(abs(e2 @ e3))):.1f} deg of the third'
             )
         if swing < SINGULAR:
-            return self._unmixed(self._at_singularity(R))
+            m2 = self._nearest_middle(self._second_turn(w, 0.0))
+            m3 = angle_about(e3, e2, rotation_about(e2, m2).T @ R @ e2)
+            return _unmix(mix, np.array([0.0, m2, m3]))
         middle_of = np.arctan2(sine, cosine)
         half = np.arccos(np.clip(-constant / swing, -1.0, 1.0))
-        found = [
-            self._from_third(R, w, m3) for m3 in (float(middle_of + half), float(middle_of - half))
-        ]
-        return self._unmixed(min(found, key=self._outside))
+        candidates = []
+        for m3 in (float(middle_of + half), float(middle_of - half)):
+            m2 = self._second_turn(w, m3)
+            first = R @ rotation_about(e3, m3).T @ rotation_about(e2, m2).T
+            candidates.append(np.array([angle_about(e1, e2, first @ e2), m2, in_circle(m3)]))
+        return _unmix(mix, min(candidates, key=self._outside))
 
-    def _from_third(self, R: Floats, w: Floats, m3: float) -> Floats:
-        e1, e2, e3 = self._units
-        back = turn(e3, m3)
-        m2 = -angle_about(e2, e1, back @ w)
-        first = R @ back.T @ turn(e2, m2).T
-        m1 = angle_about(e1, e2, first @ e2)
-        return np.array([m1, m2, in_circle(m3)])
+    def _second_turn(self, w: Floats, m3: float) -> float:
+        """Return the second turn, rad, from the third and w = R^T e1."""
+        e1, e2, e3 = self.units_and_mix[0]
+        return -angle_about(e2, e1, rotation_about(e3, m3) @ w)
 
-    def _at_singularity(self, R: Floats) -> Floats:
-        e1, e2, e3 = self._units
-        m2 = -angle_about(e2, e1, R.T @ e1)
+    def _nearest_middle(self, m2: float) -> float:
         low, high = self.middle
-        m2 = min(max(m2 if m2 > low - 1.0 else m2 + 2.0 * np.pi, low), high)
-        return np.array([0.0, m2, angle_about(e3, e2, turn(e2, m2).T @ R @ e2)])
+        return min(max(m2 if m2 > low - 1.0 else m2 + 2.0 * np.pi, low), high)
 
     def _outside(self, turns: Floats) -> tuple[float, float]:
+        """Return how far the second turn is outside its range, and the turn, to order by."""
         low, high = self.middle
         m2 = float(turns[1])
         return max(low - m2, m2 - high, 0.0), m2
+
+
+def _unmix(mix: Floats, turns: Floats) -> Floats:
+    return np.asarray(np.linalg.solve(mix, turns), dtype=np.float64)
+
+
+def as_triple(name: str, values: Any, unit: str) -> Triple:
+    """Return three finite numbers as floats; LinkedPlaneError names what and their unit."""
+    try:
+        x, y, z = values
+        if math.isfinite(x) and math.isfinite(y) and math.isfinite(z):
+            return float(x), float(y), float(z)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise LinkedPlaneError(f'{name}: {values!r} given, 3 finite numbers in {unit} expected')
 
 
 def sine_of_singularity(axes: Floats) -> float:
@@ -154,48 +209,6 @@ def sine_of_singularity(axes: Floats) -> float:
     """
     (ax, _, bx), (ay, _, by), (az, _, bz) = axes.tolist()
     return math.hypot(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
-
-
-def three(angles: npt.ArrayLike) -> Floats:
-    """Return three finite angles (3,), rad; ValueError for anything else."""
-    try:
-        array = np.asarray(angles, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if array.shape != (3,) or not all(map(math.isfinite, array.tolist())):
-        raise ValueError(f'angles: {angles!r} given, 3 finite numbers in rad expected')
-    return array
-
-
-def proper(rotation: npt.ArrayLike) -> Floats:
-    """Return a proper rotation (3, 3) as an array; ValueError for anything else."""
-    try:
-        R = np.asarray(rotation, dtype=np.float64)
-    except (TypeError, ValueError):
-        R = np.empty(0)
-    if R.shape != (3, 3) or not np.isfinite(R).all():
-        raise ValueError(f'rotation: shape {R.shape} given, (3, 3) finite numbers expected')
-    if np.abs(R.T @ R - np.eye(3)).max() > TOLERANCE or np.linalg.det(R) < 0.0:
-        raise ValueError('rotation: R^T R = 1 and a determinant of 1 expected of a (3, 3) rotation')
-    return R
-
-
-def turn(axis: Floats, angle: float) -> Floats:
-    """Return the (3, 3) right-handed rotation about a unit axis (3,) by an angle in rad."""
-    return np.array(turn_rows(axis, angle))
-
-
-@compiled
-def turn_rows(axis: Floats, angle: float) -> Rows:
-    """Return the rows of the right-handed rotation about a unit axis by an angle in rad."""
-    x, y, z = axis[0], axis[1], axis[2]
-    c, s = cos(angle), sin(angle)
-    k = 1.0 - c
-    return (
-        (c + k * x * x, k * x * y - s * z, k * x * z + s * y),
-        (k * x * y + s * z, c + k * y * y, k * y * z - s * x),
-        (k * x * z - s * y, k * y * z + s * x, c + k * z * z),
-    )
 
 
 @entry
@@ -210,7 +223,7 @@ def turn_in_sequence(
     for k in range(3):
         angle = mix[k, 0] * angles[0] + mix[k, 1] * angles[1] + mix[k, 2] * angles[2]
         x, y, z = units[k]
-        (a, b, c), (d, e, f), (g, h, m) = turn_rows(units[k], angle)
+        (a, b, c), (d, e, f), (g, h, m) = rotation_rows(units[k], angle)
         for i in range(3):
             # the axis of this turn, by the turns before it; then the turns with this one
             p, q, r = rotation[i]
@@ -233,58 +246,62 @@ def in_circle(angle: float) -> float:
     return float(np.pi - (np.pi - angle) % (2.0 * np.pi))
 
 
-X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-MINUS_Y, MINUS_Z = (0.0, -1.0, 0.0), (0.0, 0.0, -1.0)
-ELEVATION = (0.0, np.pi)
+X, MINUS_Y, Z, MINUS_Z = (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 TSM_AXIAL = (-0.0584, -0.0846, 0.9947)  # ThoracoscapularShoulderModel.osim, in these axes
 
+
+def _elevating(
+    name: str,
+    coordinates: tuple[str, str, str],
+    formula: str,
+    relative_to: str,
+    axial: Triple = Z,
+    mix: Triples = IDENTITY,
+) -> JointConvention:
+    """Return a convention of plane of elevation, elevation, and turn about an axial axis."""
+    sequence = (Z, MINUS_Y, axial)
+    return JointConvention(name, coordinates, sequence, (0.0, np.pi), formula, relative_to, mix)
+
+
+_CONVENTIONS = (
+    JointConvention(
+        'flexion_abduction_rotation',
+        ('flexion', 'abduction', 'rotation'),
+        (X, MINUS_Y, Z),
+        (-np.pi / 2, np.pi / 2),
+        'R(x, flexion) R(-y, abduction) R(z, rotation)',
+        'scapula',
+    ),
+    _elevating(
+        'isb_yxy',
+        ('plane_of_elevation', 'elevation', 'axial_rotation'),
+        'R(z, plane_of_elevation) R(-y, elevation) R(z, axial_rotation)',
+        'scapula',
+    ),
+    _elevating(
+        'opensim_tsm',
+        ('plane_elv', 'shoulder_elv', 'axial_rot'),
+        'R(z, plane_elv) R(-y, shoulder_elv) R(k, axial_rot), '
+        'k = (-0.0584, -0.0846, 0.9947) normalised',
+        'scapula',
+        TSM_AXIAL,
+    ),
+    _elevating(
+        'opensim_mobl',
+        ('elv_angle', 'shoulder_elv', 'shoulder_rot'),
+        'R(z, elv_angle) R(-y, shoulder_elv) R(z, shoulder_rot - elv_angle)',
+        'thorax',
+        mix=((1, 0, 0), (0, 1, 0), (-1, 0, 1)),
+    ),
+    _elevating(
+        'rep155',
+        ('y_shoulder', 'p_shoulder', 'r_shoulder'),
+        'R(z, y_shoulder) R(-y, p_shoulder) R(z, -r_shoulder)',
+        'torso',
+        MINUS_Z,
+    ),
+)
 JOINT_CONVENTIONS: Mapping[str, JointConvention] = MappingProxyType(
-    {
-        convention.name: convention
-        for convention in (
-            JointConvention(
-                'flexion_abduction_rotation',
-                ('flexion', 'abduction', 'rotation'),
-                (X, MINUS_Y, Z),
-                (-np.pi / 2, np.pi / 2),
-                'R(x, flexion) R(-y, abduction) R(z, rotation)',
-                'scapula',
-            ),
-            JointConvention(
-                'isb_yxy',
-                ('plane_of_elevation', 'elevation', 'axial_rotation'),
-                (Z, MINUS_Y, Z),
-                ELEVATION,
-                'R(z, plane_of_elevation) R(-y, elevation) R(z, axial_rotation)',
-                'scapula',
-            ),
-            JointConvention(
-                'opensim_tsm',
-                ('plane_elv', 'shoulder_elv', 'axial_rot'),
-                (Z, MINUS_Y, TSM_AXIAL),
-                ELEVATION,
-                'R(z, plane_elv) R(-y, shoulder_elv) R(k, axial_rot), '
-                'k = (-0.0584, -0.0846, 0.9947) normalised',
-                'scapula',
-            ),
-            JointConvention(
-                'opensim_mobl',
-                ('elv_angle', 'shoulder_elv', 'shoulder_rot'),
-                (Z, MINUS_Y, Z),
-                ELEVATION,
-                'R(z, elv_angle) R(-y, shoulder_elv) R(z, shoulder_rot - elv_angle)',
-                'thorax',
-                mix=((1, 0, 0), (0, 1, 0), (-1, 0, 1)),
-            ),
-            JointConvention(
-                'rep155',
-                ('y_shoulder', 'p_shoulder', 'r_shoulder'),
-                (Z, MINUS_Y, MINUS_Z),
-                ELEVATION,
-                'R(z, y_shoulder) R(-y, p_shoulder) R(z, -r_shoulder)',
-                'torso',
-            ),
-        )
-    }
+    {convention.name: convention for convention in _CONVENTIONS}
 )
 """The joint conventions by name; the node's parameter `joint_convention` takes these names."""

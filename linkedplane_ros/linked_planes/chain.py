@@ -21,7 +21,7 @@ from .layout import (
     band_vectors,
     vector,
 )
-from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, times, turned
+from .vectors import ZERO, Rotation, Vector, blend, cross, dot, minus, mix, norm, times, turned
 
 
 class Section(NamedTuple):
@@ -80,7 +80,7 @@ def moving_frame(P: Vector, HM: Vector, SC: Vector) -> tuple[Vector, Vector, Vec
 
 
 @compiled
-def bands_at(muscle: Muscle, rotation: tuple[Vector, Vector, Vector]) -> list[Band]:
+def bands_at(muscle: Muscle, rotation: Rotation) -> list[Band]:
     """Pose the muscle: its bands and the chain of their planes, for a humerus -> scapula rotation.
 
     A band without a line (it ends where it begins), a plane (the normal before it runs along its

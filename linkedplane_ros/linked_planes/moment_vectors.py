@@ -11,7 +11,20 @@ from .band import WRAPPED, length_by_plane, wrap
 from .chain import Band, plane_at, state_at
 from .compiled import compiled
 from .layout import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Muscle, vector
-from .vectors import ZERO, Vector, blend, cross, dot, minus, mix, norm, plus, times, turned
+from .vectors import (
+    ZERO,
+    Rotation,
+    Vector,
+    blend,
+    cross,
+    dot,
+    minus,
+    mix,
+    norm,
+    plus,
+    times,
+    turned,
+)
 
 
 @compiled
@@ -115,7 +128,7 @@ def edge_follows(
 @compiled
 def muscle_state(
     muscle: Muscle,
-    rotation: tuple[Vector, Vector, Vector],
+    rotation: Rotation,
     bands: list[Band],
     theta: float,
     held: int,

@@ -5,6 +5,7 @@ from math import sqrt
 from .compiled import compiled
 
 Vector = tuple[float, float, float]
+Rotation = tuple[Vector, Vector, Vector]  # the rows of its matrix
 
 ZERO = (0.0, 0.0, 0.0)
 
@@ -73,7 +74,7 @@ def norm(a: Vector) -> float:
 
 
 @compiled
-def turned(rotation: tuple[Vector, Vector, Vector], a: Vector) -> Vector:
+def turned(rotation: Rotation, a: Vector) -> Vector:
     """Return the rotation (its three rows) applied to a."""
     x, y, z = rotation
     return dot(x, a), dot(y, a), dot(z, a)

@@ -11,7 +11,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from ..joints.joint_state import REASONS
-from ..solver.linked_plane_solver import MuscleState, WrapState
+from ..solver.states import MuscleState, WrapState
 
 TIMED = 2000  # callbacks that the timing figures look back on
 STALE_AFTER = 3.0  # s without input

@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from ..drawing.shapes import MuscleShapes, Placement, Shape
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import MuscleState
+from ..solver.states import MuscleState
 from ..types import Colour
 
 

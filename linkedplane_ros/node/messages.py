@@ -11,7 +11,7 @@ from builtin_interfaces.msg import Time
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout
 
 from ..processing.topics import ANSWERS, dimension_names, label_dimensions
-from ..solver.linked_plane_solver import MuscleState
+from ..solver.states import MuscleState
 from ..types import Floats
 
 

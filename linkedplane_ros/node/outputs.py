@@ -16,7 +16,8 @@ from ..drawing.shapes import RateLimiter
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import Rejected
 from ..linked_planes.compiled import COMPILED
-from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import MuscleState
 from ..types import Triple
 from . import qos
 from .diagnostics import Tally, build_status
@@ -114,25 +115,23 @@ class MuscleOutputs:
         tally.received += 1
         tally.last_arrival = start
         try:
-            state, arms, lengthening, axes = self._solver.answer(
-                self._convention, angles, speeds or STILL
-            )
+            answer = self._solver.answer(self._convention, angles, speeds or STILL)
         except ValueError as error:
             self._count_rejection(Rejected('no_plane', str(error)))
             self._logger.warning(f'joint state not used: {error}', throttle_duration_sec=THROTTLE)
             return perf_counter()
         tally.solve_times.append(perf_counter() - start)
-        topics = self.topics
-        for name, answer in self._answers.update(
-            stamp, state, arms, None if speeds is None else lengthening
-        ).items():
-            topics[name].publish(answer)
+        topics, state = self.topics, answer.state
+        lengthening = None if speeds is None else answer.lengthening
+        messages = self._answers.update(stamp, state, answer.moment_arms, lengthening)
+        for name, message in messages.items():
+            topics[name].publish(message)
         if topics['markers'].get_subscription_count() and self._pace.allows(
             stamp.sec + 1e-9 * stamp.nanosec, start
         ):
             self._publish_markers(state, stamp)
         tally.answered += 1
-        tally.near_singular += sine_of_singularity(axes) < NEAR_SINGULAR
+        tally.near_singular += sine_of_singularity(answer.axes) < NEAR_SINGULAR
         tally.last_state, self._last_stamp = state, stamp
         end = perf_counter()
         tally.callback_times.append(end - start)

@@ -15,7 +15,8 @@ import yaml
 
 from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JOINT_CONVENTIONS, SIDES
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.sides import SIDES
 
 Value = str | bool | int | float | list[str] | list[float]
 

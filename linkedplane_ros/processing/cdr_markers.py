@@ -10,7 +10,7 @@ import numpy as np
 
 from ..drawing.shapes import MuscleShapes, Placement, Shape
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import MuscleState
+from ..solver.states import MuscleState
 from ..types import Colour, Floats
 from .cdr import STAMP, MessageTemplate, split_stamps
 from .topics import MARKERS

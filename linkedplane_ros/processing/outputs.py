@@ -19,7 +19,7 @@ from ..errors import RecordingError
 from ..files import remove_path
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Chunk
-from ..solver.linked_plane_solver import MuscleStates
+from ..solver.states import MuscleStates
 from ..types import Bytes, Floats
 
 ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}

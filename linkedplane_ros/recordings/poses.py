@@ -14,6 +14,7 @@ import numpy as np
 
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.joint_state import Rejected
+from ..joints.sides import mirror_rotation
 from ..types import Floats, Triple
 from .motion import Frame
 
@@ -26,7 +27,6 @@ FRAME_AXES = {
     'model': np.eye(3),
     'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
-MIRROR = np.diag((-1.0, 1.0, 1.0))  # x -> -x
 MOST_WAITING = 1000  # stamps on a topic that wait for the other: it may lag so far behind
 
 
@@ -211,7 +211,7 @@ class PoseFrameReader:
         humerus, base = (self._rotation_in_root(name) for name in self._names)
         R = axes @ base.T @ humerus @ axes.T
         if self.side == 'left':  # the right shoulder's rotation at the same anatomical angles
-            R = MIRROR @ R @ MIRROR
+            R = mirror_rotation(R)
         if self.bones.scapula is None:
             R = glenohumeral_rotation(R, self.bones.rhythm)
         try:

@@ -14,11 +14,13 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import numpy.typing as npt
 
+from ..joints.rotations import FAULTS, as_matrices, as_matrix
 from ..linked_planes.compiled import COMPILED
 from ..linked_planes.vectors import Vector
+from ..solver.batches import run_kernel
 from ..solver.kernels import SOLVED
-from ..solver.linked_plane_solver import FAULTS, WrapState, in_parts, one_rotation, rotations_of
-from ..types import Floats
+from ..solver.states import WrapState
+from ..types import Bytes, Floats
 from .path import ARC_NUMBERS, Kernel
 
 Bone = Literal['scapula', 'humerus']
@@ -122,8 +124,8 @@ class BandState:
 
     lengths: Floats
     moment_vectors: Floats
-    wrap: npt.NDArray[np.uint8]
-    contacts: npt.NDArray[np.uint8]
+    wrap: Bytes
+    contacts: Bytes
     """(n,) as in PathState."""
     rotation: Floats
     bands: Bands
@@ -153,8 +155,8 @@ class BandStates:
 
     lengths: Floats
     moment_vectors: Floats
-    wrap: npt.NDArray[np.uint8]
-    contacts: npt.NDArray[np.uint8]
+    wrap: Bytes
+    contacts: Bytes
     rotation: Floats
     bands: Bands
 
@@ -178,24 +180,24 @@ class Bands:
 
     def solve(self, rotation: npt.ArrayLike) -> BandState:
         """Solve one pose, a (3, 3) rotation humerus -> scapula; ValueError for anything else."""
-        matrix = one_rotation(rotation)
+        matrix = as_matrix(rotation)
         lengths, moments, wrap, contacts = self._solved(matrix[np.newaxis], 'rotation')
         return BandState(lengths[0], moments[0], wrap[0], contacts[0], matrix, self)
 
     def solve_batch(self, rotations: npt.ArrayLike) -> BandStates:
         """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""
-        matrices = rotations_of(rotations)
+        matrices = as_matrices(rotations)
         return BandStates(*self._solved(matrices, 'rotations[{}]'), matrices, self)
 
     def _solved(
         self, rotations: Floats, name: str, arcs: Floats | None = None
-    ) -> tuple[Floats, Floats, npt.NDArray[np.uint8], npt.NDArray[np.uint8]]:
+    ) -> tuple[Floats, Floats, Bytes, Bytes]:
         m, n = len(rotations), len(self.models)
         lengths, moments = np.empty((m, n)), np.empty((m, n, 3))
         wrap, contacts = np.empty((m, n), dtype=np.uint8), np.empty((m, n), dtype=np.uint8)
         drawn = np.empty((m, n, 0)) if arcs is None else arcs
         filled = lengths, moments.reshape(m, 3 * n), wrap, contacts, drawn
-        k, fault, _ = in_parts(type(self.models[0]).kernel, (self._rows,), rotations, filled)
+        k, fault, _ = run_kernel(type(self.models[0]).kernel, (self._rows,), rotations, filled)
         if fault != SOLVED:
             raise ValueError(f'{name.format(k)}: {FAULTS[fault]}')
         return lengths, moments, wrap, contacts

@@ -34,7 +34,8 @@ import numpy.typing as npt
 
 from ..linked_planes.band import INSIDE, MISSED, WRAPPED
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleStates
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import MuscleStates
 from ..types import Floats
 from .bands import Bands, BandStates
 from .methods import Method, methods
@@ -165,7 +166,7 @@ def drawn(solver: LinkedPlaneSolver | Bands, rotations: Floats) -> tuple[States,
     lines = np.empty((m, n, POINTS + 2, 3))
     lines[:, :, 0] = solver.origins
     for k, state in enumerate(states):
-        insertions, _, arcs = solver.drawn(state, POINTS)
+        insertions, _, arcs = solver.draw_bands(state, POINTS)
         lines[k, :, 1:] = insertions[:, np.newaxis]
         lines[k, state.wrap == WRAPPED, 1:-1] = arcs[state.wrap == WRAPPED]
     return states, lines

@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
 from ..linked_planes.compiled import compiled
-from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
+from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
 from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, tube_at, way_round
 from .path import (
     NO_ARC,
@@ -24,7 +24,6 @@ from .path import (
     ZERO,
     Arc,
     Path,
-    Rotation,
     Row,
     ends,
     make_kernel,

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, plus, times
+from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
 from .bands import (
     Bone,
     PathModel,
@@ -34,7 +34,6 @@ from .path import (
     ZERO,
     Arc,
     Path,
-    Rotation,
     Row,
     ends,
     make_kernel,

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compiled import compiled
-from ..linked_planes.vectors import Vector, dot, minus, mix, norm
+from ..linked_planes.vectors import Rotation, Vector, dot, minus, mix, norm
 from .bands import Bone
 from .cylinder import (
     CYLINDER_SIZE,
@@ -27,7 +27,7 @@ from .cylinder import (
     tube_at,
     way_round,
 )
-from .path import OBSTACLE, ZERO, Path, Rotation, Row, ends, make_kernel, moment_of, straight_path
+from .path import OBSTACLE, ZERO, Path, Row, ends, make_kernel, moment_of, straight_path
 
 ROUNDS = 100
 SETTLING = 40  # rounds after which a cylinder that is not touched is dropped for good

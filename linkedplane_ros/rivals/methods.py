@@ -23,7 +23,8 @@ import numpy as np
 from ..linked_planes.band import WRAPPED
 from ..linked_planes.vectors import Vector
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import MuscleState
 from ..types import Floats
 from .bands import Bands, Bone, PathModel
 from .capped_cylinder import CappedCylinder

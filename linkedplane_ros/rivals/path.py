@@ -10,13 +10,24 @@ from collections.abc import Callable
 from math import cos, sin
 from typing import Any, NamedTuple
 
+from ..joints.rotations import PROPER, matrix_rows, rotation_fault
 from ..linked_planes.compiled import compiled, entry
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Vector, blend, cross, dot, minus, norm, plus, times, turned
-from ..solver.kernels import SOLVED, rotation_fault, rows_of
+from ..linked_planes.vectors import (
+    Rotation,
+    Vector,
+    blend,
+    cross,
+    dot,
+    minus,
+    norm,
+    plus,
+    times,
+    turned,
+)
+from ..solver.kernels import SOLVED
 
 Row = list[float]
-Rotation = tuple[Vector, Vector, Vector]  # by rows
 
 ROW_ORIGIN, ROW_INSERTION, OBSTACLE = 0, 3, 6  # where numbers start in a row
 ZERO = (0.0, 0.0, 0.0)
@@ -156,9 +167,9 @@ def make_kernel(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> Kernel:
         SOLVED and 0.
         """
         for k in range(start, stop):
-            rotation = rows_of(rotations[k])
+            rotation = matrix_rows(rotations[k])
             fault = rotation_fault(rotation)
-            if fault != SOLVED:
+            if fault != PROPER:
                 return k, fault, 0
             for i in range(len(bands)):
                 path = path_of(bands[i], rotation)

@@ -13,7 +13,7 @@ from math import sqrt
 from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Vector, cross, dot, minus, mix, norm, times
+from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, times
 from .bands import Bone, PathModel, check_bone, check_point, check_radius, on_humerus
 from .path import (
     NO_ARC,
@@ -21,7 +21,6 @@ from .path import (
     ZERO,
     Arc,
     Path,
-    Rotation,
     Row,
     across,
     ends,

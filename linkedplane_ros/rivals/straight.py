@@ -8,7 +8,7 @@ from typing import Any
 from ..linked_planes.band import CLEAR, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Vector, cross, minus, norm, times, turned
+from ..linked_planes.vectors import Rotation, Vector, cross, minus, norm, times, turned
 from .bands import PathModel, check_point
 from .path import (
     NO_ARC,
@@ -16,7 +16,6 @@ from .path import (
     ZERO,
     Arc,
     Path,
-    Rotation,
     Row,
     ends,
     make_kernel,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..joints.conventions import JOINT_CONVENTIONS, turn
+from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.rotations import rotation_about
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Floats
 
@@ -44,7 +45,7 @@ def thesis_motions(step: float = STEP) -> list[Floats]:
     return [
         straight_way(still, flexion, step),
         straight_way(still, abduction, step),
-        np.array([turn(SCAPTION, angle) for angle in angles]),
+        np.array([rotation_about(SCAPTION, angle) for angle in angles]),
     ]
 
 
@@ -82,4 +83,5 @@ def between(start: Floats, end: Floats, parts: int) -> Floats:
     angle = float(np.linalg.norm(way))
     if angle == 0.0:
         return np.repeat(start[np.newaxis], parts + 1, axis=0)
-    return np.array([turn(way / angle, angle * k / parts) @ start for k in range(parts + 1)])
+    axis = way / angle
+    return np.array([rotation_about(axis, angle * k / parts) @ start for k in range(parts + 1)])

@@ -13,7 +13,8 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats
 from .interference import depths
-from .linked_plane_solver import LinkedPlaneSolver, MuscleStates, WrapState
+from .linked_plane_solver import LinkedPlaneSolver
+from .states import MuscleStates, WrapState
 
 DEFAULT_RANGE = tuple(
     (math.radians(low), math.radians(high)) for low, high in ((-40, 120), (0, 120), (-60, 60))

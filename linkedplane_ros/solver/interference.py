@@ -10,7 +10,7 @@ import numpy as np
 
 from ..linked_planes.band import WRAPPED
 from ..types import Floats
-from .linked_plane_solver import MuscleState
+from .states import MuscleState
 
 SHORT = 5e-5  # m: what half an arc spans at least to have a circle; else 1e-7 m are lost
 
@@ -23,7 +23,7 @@ def depths(state: MuscleState) -> tuple[Floats, Floats]:
     paths that are closest to the centres.
     """
     muscle = state.solver.muscle
-    centres = state.solver.mirrored(muscle.interference_centres)
+    centres = state.solver.to_side(muscle.interference_centres)
     places = closest(state, centres)
     return muscle.interference_radii - np.linalg.norm(places - centres, axis=-1), places
 
@@ -32,7 +32,7 @@ def closest(state: MuscleState, centres: Floats) -> Floats:
     """Return the points (n, k, 3) of the n paths that are closest to the centres (k, 3), m."""
     n = len(state.lengths)
     P = state.solver.origins
-    S, _, arcs = state.solver.drawn(state, 3)
+    S, _, arcs = state.solver.draw_bands(state, 3)
     # a straight band is its line from P to S, and nothing more at S
     straight = state.wrap[:, np.newaxis] != WRAPPED
     Q, M, T = (np.where(straight, S, arcs[:, j]) for j in range(3))

@@ -2,44 +2,20 @@
 
 from __future__ import annotations
 
-from math import cos, isfinite, sin
+from math import cos, sin
 from typing import Any
 
 from ..joints.conventions import turn_in_sequence
+from ..joints.rotations import PROPER, matrix_rows, rotation_fault
 from ..linked_planes.band import WRAPPED, wrap
 from ..linked_planes.chain import bands_at, plane_at
 from ..linked_planes.compiled import compiled, entry
 from ..linked_planes.layout import Muscle, band_count, band_vectors
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
-from ..linked_planes.vectors import Vector, cross, dot, mix, norm, plus, times
+from ..linked_planes.vectors import cross, mix, norm, plus, times
 
-SOLVED, NOT_FINITE, NOT_ORTHONORMAL, REFLECTION, NO_PLANE = range(5)
-ORTHONORMAL = 1e-6  # how far R^T R may be from the identity
-
-
-@compiled
-def rows_of(matrix: Any) -> tuple[Vector, Vector, Vector]:
-    """Return the rows of a (3, 3) matrix."""
-    return (
-        (matrix[0][0], matrix[0][1], matrix[0][2]),
-        (matrix[1][0], matrix[1][1], matrix[1][2]),
-        (matrix[2][0], matrix[2][1], matrix[2][2]),
-    )
-
-
-@compiled
-def rotation_fault(rotation: tuple[Vector, Vector, Vector]) -> int:
-    """Return what keeps a matrix, by its rows, from being a proper rotation, or SOLVED."""
-    x, y, z = rotation
-    size = dot(x, x) + dot(y, y) + dot(z, z)
-    if not isfinite(size):
-        return NOT_FINITE
-    off = max(abs(dot(x, x) - 1.0), abs(dot(y, y) - 1.0), abs(dot(z, z) - 1.0))
-    off = max(off, abs(dot(x, y)), abs(dot(y, z)), abs(dot(z, x)))
-    if off > ORTHONORMAL:
-        return NOT_ORTHONORMAL
-    return REFLECTION if dot(cross(x, y), z) < 0.0 else SOLVED
+SOLVED, NO_PLANE = PROPER, 4  # beside the faults of rotations
 
 
 @entry
@@ -56,13 +32,13 @@ def solve_poses(
 ) -> tuple[int, int, int]:
     """Fill in the states of the poses from start to stop.
 
-    Returns the first pose that has none, why (NOT_FINITE ...), and for NO_PLANE which band; or
-    stop, SOLVED and 0.
+    Returns the first pose that has none, why (NO_PLANE or a fault of its rotation), and for
+    NO_PLANE which band; or stop, SOLVED and 0.
     """
     for k in range(start, stop):
-        rotation = rows_of(rotations[k])
+        rotation = matrix_rows(rotations[k])
         fault = rotation_fault(rotation)
-        if fault != SOLVED:
+        if fault != PROPER:
             return k, fault, 0
         bands = bands_at(muscle, rotation)
         if len(bands) < band_count(muscle):
@@ -113,7 +89,7 @@ def answer(
     return done
 
 
-@entry
+@compiled
 def draw(
     muscle: Muscle,
     rotation: Any,
@@ -128,7 +104,7 @@ def draw(
     An arc runs from the first transition point Q to the second, T; a straight band's is left
     as it was.
     """
-    bands = bands_at(muscle, rows_of(rotation))
+    bands = bands_at(muscle, matrix_rows(rotation))
     c, s = cos(theta), sin(theta)
     for i in range(len(bands)):
         band = bands[i]
@@ -154,3 +130,18 @@ def draw(
             point = plus(centre, mix(r * along, band.u, r * aside, e))
             for axis in range(3):
                 arcs[i][j][axis] = point[axis]
+
+
+@entry
+def draw_poses(
+    muscle: Muscle,
+    rotations: Any,
+    thetas: Any,
+    states: Any,
+    insertions: Any,
+    centres: Any,
+    arcs: Any,
+) -> None:
+    """Draw the muscle at m poses: all as `draw`, with a leading m."""
+    for k in range(len(thetas)):
+        draw(muscle, rotations[k], thetas[k], states[k], insertions[k], centres[k], arcs[k])

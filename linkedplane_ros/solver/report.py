@@ -10,7 +10,8 @@ import numpy as np
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from .check import looked_over
-from .linked_plane_solver import LinkedPlaneSolver, WrapState
+from .linked_plane_solver import LinkedPlaneSolver
+from .states import WrapState
 
 
 def report(muscle: BroadMuscle) -> Iterator[str]:

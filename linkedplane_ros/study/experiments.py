@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..joints.conventions import turn
+from ..joints.rotations import rotation_about
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleStates
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import MuscleStates
 from ..types import Floats
 
 MILLIMETRES = 1e3  # in a metre
@@ -41,7 +42,7 @@ class Motion:
 
     def turned(self, angle: float) -> Motion:
         """Return the same motion in a plane turned about the vertical (z) by an angle, rad."""
-        x, y, z = (turn(np.array((0.0, 0.0, 1.0)), angle) @ self.axis).tolist()
+        x, y, z = (rotation_about(np.array((0.0, 0.0, 1.0)), angle) @ self.axis).tolist()
         return replace(self, axis=(x, y, z))
 
 
@@ -92,7 +93,7 @@ def simulate(
     """
     angles = motion.angles() if angles is None else angles
     axis = np.array(motion.axis)
-    rotations = np.array([turn(axis, angle) for angle in angles.tolist()]).reshape(-1, 3, 3)
+    rotations = [rotation_about(axis, angle) for angle in angles.tolist()]
     states = solver.solve_batch(rotations)
     return Experiment(motion, angles, states, scale * (states.moment_vectors @ axis), scale)
 

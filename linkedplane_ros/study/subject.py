@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.linked_plane_solver import LinkedPlaneSolver, MuscleState
+from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.states import MuscleState
 from .attachments import is_published
 from .experiments import MOTIONS, Experiment, simulate
 from .fidelity import is_comparable

@@ -12,7 +12,7 @@ from reference import Array
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.fit.data import Data, Measurement, band_of
 from linkedplane_ros.solver.interference import depths
-from linkedplane_ros.solver.linked_plane_solver import MuscleStates
+from linkedplane_ros.solver.states import MuscleStates
 
 DELTOID = BroadMuscle.load('deltoid')
 CASE_STUDY = (('flexion', 80), ('abduction', 90), ('scaption', 60))  # deg (thesis ch. 5)

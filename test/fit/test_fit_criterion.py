@@ -17,7 +17,7 @@ from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights, grid
 from linkedplane_ros.fit.data import Data, Measurement
 from linkedplane_ros.fit.parameters import Space, space
-from linkedplane_ros.solver.linked_plane_solver import MuscleState
+from linkedplane_ros.solver.states import MuscleState
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)

@@ -151,7 +151,7 @@ def test_an_interference_sphere_stands_where_the_thesis_has_it(side: LinkedPlane
 def test_a_band_is_marked_just_where_its_path_is_deepest_in_a_sphere(
     side: LinkedPlaneSolver,
 ) -> None:
-    centres = side.mirrored(DELTOID.interference_centres)
+    centres = side.to_side(DELTOID.interference_centres)
     radii = DELTOID.interference_radii
     marked = []
     for state, array in states_with_markers(side):

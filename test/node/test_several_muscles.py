@@ -64,11 +64,12 @@ def reader_of(muscle: str, peer: Peer) -> Iterator[Peer]:
 
 def check_newest(reader: Peer, muscle: BroadMuscle, side: str = 'right', pose: Any = POSE) -> None:
     """Compare the newest answers on a muscle's topics with the solver alone."""
-    want, arms, lengthening, _ = LinkedPlaneSolver(muscle, side).answer(THESIS, pose, SPEEDS)
+    answer = LinkedPlaneSolver(muscle, side).answer(THESIS, pose, SPEEDS)
+    want, lengthening = answer.state, answer.lengthening
     got = {topic: reader.got[topic][-1] for topic in ANSWERS}
     for topic, values in (
         ('band_lengths', want.lengths),
-        ('moment_arms', arms.ravel()),
+        ('moment_arms', answer.moment_arms.ravel()),
         ('moment_vectors', want.moment_vectors.ravel()),
         ('wrap_states', want.wrap),
     ):

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 from deltoid_poses import BATCH, POSES
 
-from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
+from linkedplane_ros import (
+    JOINT_CONVENTIONS,
+    BroadMuscle,
+    LinkedPlaneError,
+    LinkedPlaneSolver,
+    WrapState,
+)
 
 DELTOID = BroadMuscle.load('deltoid')
 RIGHT, LEFT = (LinkedPlaneSolver(DELTOID, side=side) for side in ('right', 'left'))
@@ -127,7 +133,7 @@ QUARTER = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
     ],
 )
 def test_what_is_no_rotation_is_refused_with_what_was_expected(rotation: Any, told: str) -> None:
-    with pytest.raises(ValueError, match=f'rotation: (.*){told}'):
+    with pytest.raises(LinkedPlaneError, match=f'rotation: (.*){told}'):
         RIGHT.solve(rotation)
 
 
@@ -143,7 +149,7 @@ def test_what_is_no_rotation_is_refused_with_what_was_expected(rotation: Any, to
     ],
 )
 def test_one_wrong_rotation_refuses_the_batch(rotations: Any, told: str) -> None:
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(LinkedPlaneError, match=told):
         RIGHT.solve_batch(rotations)
 
 
@@ -159,7 +165,8 @@ def test_an_answer_is_the_state_its_moment_arms_and_its_lengthening(name: str, s
     solver = LinkedPlaneSolver(BroadMuscle.load('deltoid'), side)
     convention, speeds = JOINT_CONVENTIONS[name], (0.3, -1.2, 0.7)
     for angles in ((0.4, 0.9, -0.3), (-0.2, 0.3, 0.6), (0.0, 0.0, 0.0)):
-        state, arms, lengthening, axes = solver.answer(convention, angles, speeds)
+        answer = solver.answer(convention, angles, speeds)
+        state, axes = answer.state, answer.axes
         want = solver.solve(convention.rotation(angles))
         assert state.theta == want.theta
         np.testing.assert_array_equal(state.lengths, want.lengths)
@@ -167,5 +174,27 @@ def test_an_answer_is_the_state_its_moment_arms_and_its_lengthening(name: str, s
         np.testing.assert_array_equal(state.wrap, want.wrap)
         np.testing.assert_array_equal(axes, convention.axes(angles, side))
         # m, m/s: products in another order
+        arms = answer.moment_arms
         np.testing.assert_allclose(arms, want.moment_vectors @ axes, rtol=0, atol=1e-16)
-        np.testing.assert_allclose(lengthening, -arms @ speeds, rtol=0, atol=1e-15)
+        np.testing.assert_allclose(answer.lengthening, -arms @ speeds, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    'wrong',
+    [(0.4, 0.9), (0.4, 0.9, 0.1, 0.2), (), 0.4, None, 'abc', ('0.4', '0.9', '0.1'), (0.4, 0.9, 'x'),
+     (0.4, np.nan, 0.1), (0.4, np.inf, 0.1), (0.4, 0.9j, 0.1), np.zeros((3, 3)), [[0.4, 0.9, 0.1]],
+     (10**400, 0.9, 0.1)],
+    ids=repr,
+)  # fmt: skip
+@pytest.mark.parametrize(('field', 'unit'), [('angles', 'rad'), ('speeds', 'rad/s')])
+def test_what_are_no_angles_or_speeds_gets_no_answer(wrong: Any, field: str, unit: str) -> None:
+    given = {'angles': (0.4, 0.9, 0.1), 'speeds': (0.0, 0.0, 0.0), field: wrong}
+    with pytest.raises(LinkedPlaneError) as error:
+        RIGHT.answer(THESIS, **given)
+    assert str(error.value) == f'{field}: {wrong!r} given, 3 finite numbers in {unit} expected'
+
+
+@pytest.mark.parametrize('angles', [[0, 1, 0], np.array([0.0, 1.0, 0.0], dtype=np.float32)])
+def test_angles_may_be_any_three_numbers(angles: Any) -> None:
+    answer = RIGHT.answer(THESIS, angles, (0, 0, 0))
+    assert answer == RIGHT.answer(THESIS, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0))

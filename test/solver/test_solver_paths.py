@@ -65,5 +65,5 @@ def test_the_paths_are_those_of_the_literal_method() -> None:
 
 @pytest.mark.parametrize('points', [1, 0, -3])
 def test_a_path_of_fewer_than_two_points_is_refused(points: int) -> None:
-    with pytest.raises(ValueError, match=f'points: {points} given, at least 2 needed'):
+    with pytest.raises(ValueError, match=f'points: {points} given, at least 2 expected'):
         RIGHT.solve(np.eye(3)).paths(points)

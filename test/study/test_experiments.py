@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.joints.conventions import turn
+from linkedplane_ros.joints.rotations import rotation_about
 from linkedplane_ros.study import attachments
 from linkedplane_ros.study.experiments import (
     HALF,
@@ -66,7 +66,7 @@ def test_flexion_and_abduction_are_the_coordinates_of_the_thesis(
 )
 def test_the_arm_goes_where_the_motion_says(name: str, towards: tuple[float, float]) -> None:
     (motion,) = (each for each in MOTIONS if each.name == name)
-    hand = turn(np.array(motion.axis), math.radians(60.0)) @ (0.0, 0.0, -1.0)
+    hand = rotation_about(np.array(motion.axis), math.radians(60.0)) @ (0.0, 0.0, -1.0)
     level = math.sin(math.radians(60.0))
     np.testing.assert_allclose(hand[:2], level * np.array(towards), atol=1e-15)  # lateral, anterior
     assert hand[2] == pytest.approx(-0.5, abs=1e-15)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...drawing.units import DEGREES
-from ...solver.linked_plane_solver import WrapState
+from ...solver.states import WrapState
 from ..experiments import MILLIMETRES, Experiment
 from ..pictures import animation, charts
 from ..subject import Subject

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...drawing.units import DEGREES
-from ...solver.linked_plane_solver import WrapState
+from ...solver.states import WrapState
 from ..experiments import MILLIMETRES
 from ..interference import PRINTED, READINGS, REVERSED_Z, Checks, check
 from ..pictures import charts, figures

@@ -16,7 +16,7 @@ from ...drawing.bones import BONE
 from ...drawing.figure_files import STYLE
 from ...drawing.units import DEGREES
 from ...errors import RecordingError
-from ...solver.linked_plane_solver import MuscleState
+from ...solver.states import MuscleState
 from ..attachments import of_whole_span
 from ..interference import Checks
 from ..subject import Subject

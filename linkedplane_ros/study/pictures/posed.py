@@ -10,7 +10,7 @@ from ...drawing.bones import BONE, SHAFT_RADIUS, shaft_axis
 from ...drawing.colours import HEAD_COLOURS, shades
 from ...drawing.planes import plane_patches
 from ...muscle.broad_muscle import BroadMuscle
-from ...solver.linked_plane_solver import MuscleState
+from ...solver.states import MuscleState
 from ...types import Colour, Floats
 from ..attachments import Attachments
 from ..interference import Entry
@@ -54,14 +54,14 @@ def add_bones(scene: Scene, state: MuscleState, alpha: float = VEIL) -> None:
     spheres = zip(muscle.interference_centres, muscle.interference_radii.tolist(), strict=True)
     for centre, radius in spheres:
         scene.ball(centre, radius, BONE, alpha)
-    scene.rod(state.moved(shaft_axis(muscle)), SHAFT_RADIUS, BONE)
+    scene.rod(state.to_scapula(shaft_axis(muscle)), SHAFT_RADIUS, BONE)
 
 
 def add_attachments(scene: Scene, state: MuscleState, span: Attachments | None = None) -> None:
     """Add the ends of the bands, in their colours, and the whole span, in that of bone."""
     muscle = state.solver.muscle
     if span is not None:
-        for point in (*span.origins, *state.moved(span.insertions)):
+        for point in (*span.origins, *state.to_scapula(span.insertions)):
             scene.ball(point, SITE, BONE)
     for ends in (muscle.origins, state.insertions):
         for point, colour in zip(ends, band_colours(muscle), strict=True):

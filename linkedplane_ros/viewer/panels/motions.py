@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...joints.conventions import JointConvention, turn
+from ...joints.conventions import JointConvention
+from ...joints.rotations import rotation_about
 from ...types import Floats, Intervals
 
 MEAN_SPEED = 1.2  # rad/s, of a glide
@@ -35,7 +36,7 @@ def end_poses(convention: JointConvention) -> dict[str, Floats]:
     poses = {}
     for name, (axis, angle) in CASE_STUDY.items():
         try:
-            poses[name] = convention.angles(turn(np.array(axis), angle)) + 0.0
+            poses[name] = convention.angles(rotation_about(np.array(axis), angle)) + 0.0
         except ValueError:
             continue
     return poses

@@ -1,0 +1,246 @@
+"""What the solver answers: the muscle at one pose, at many, and what a stream of angles needs."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
+from ..types import Bytes, Floats
+
+if TYPE_CHECKING:
+    from .linked_plane_solver import LinkedPlaneSolver
+
+
+class WrapState(IntEnum):
+    """How a band lies to its obstacle sphere (spec section 2).
+
+    Only a WRAPPED band lies on its sphere; all others are straight lines from origin to insertion.
+    """
+
+    WRAPPED = WRAPPED
+    """Round the sphere."""
+    CLEAR = CLEAR
+    """Straight: its plane cuts the sphere, the line keeps off it."""
+    MISSED = MISSED
+    """Straight: its plane does not reach the sphere."""
+    INSIDE = INSIDE
+    """Drawn straight: no valid path, an end lies inside the sphere."""
+
+
+class _Result:
+    """What all results have in common: equality by value, and small pickles."""
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, type(self)):
+            return NotImplemented
+        return all(map(_are_equal, self._values(), other._values()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), self._values()  # the fields alone: what is drawn is drawn again
+
+    def _values(self) -> tuple[Any, ...]:
+        return tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+
+
+def _are_equal(one: Any, other: Any) -> bool:
+    return np.array_equal(one, other) if isinstance(one, np.ndarray) else bool(one == other)
+
+
+@dataclass(frozen=True, eq=False)
+class MuscleState(_Result):
+    """The muscle at one pose, n bands; its arrays are read-only.
+
+    Moment arms about a convention's coordinates are
+    ``state.moment_vectors @ convention.axes(angles, side)``: positive where shortening turns the
+    joint in the coordinate's positive direction.
+    """
+
+    theta: float
+    """Angle of the first band's plane from the reference plane, rad, in (-pi, pi]."""
+    lengths: Floats
+    """(n,) band lengths, m."""
+    moment_vectors: Floats
+    """(n, 3) -dL/domega about the scapula axes, m (thesis eq. 5.1)."""
+    wrap: Bytes
+    """(n,) WrapState of each band."""
+    rotation: Floats
+    """(3, 3) humerus -> scapula, as it was given."""
+    solver: LinkedPlaneSolver
+    """What solved it: the muscle and its side."""
+
+    def __post_init__(self) -> None:
+        for array in (self.lengths, self.moment_vectors, self.wrap, self.rotation):
+            array.setflags(False)  # type: ignore[call-arg]  # by name it takes twice as long
+
+    @property
+    def total_length(self) -> float:
+        """Sum of the band lengths, m: what theta makes least."""
+        return float(self.lengths.sum())
+
+    @cached_property
+    def _posed(self) -> tuple[Floats, Floats, Floats]:
+        return self.solver.draw_bands(self, 2)
+
+    @property
+    def insertions(self) -> Floats:
+        """(n, 3) insertions, m, scapula frame."""
+        return self._posed[0]
+
+    @property
+    def sphere_centres(self) -> Floats:
+        """(n, 3) obstacle sphere centres, m, scapula frame."""
+        return self._posed[1]
+
+    def to_scapula(self, points: Floats) -> Floats:
+        """Return points (..., 3) of the right humerus, m, at this pose: m, scapula frame."""
+        return self.solver.to_side(points @ self.rotation.T)
+
+    def paths(self, points: int = 16) -> list[Floats]:
+        """Return each band's path as a polyline.
+
+        Parameters
+        ----------
+        points
+            How many on an arc, from the first transition point Q to the second, T; at least 2.
+
+        Returns
+        -------
+        n arrays (k, 3), m, scapula frame. A wrapped band is its origin, the points of its arc, and
+        its insertion; a straight one its origin and insertion.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For fewer than 2 points.
+
+        """
+        insertions, _, arcs = self.solver.draw_bands(self, points)
+        return _polylines(self.solver.origins, insertions, arcs, self.wrap)
+
+
+@dataclass(frozen=True, eq=False)
+class MuscleStates(_Result):
+    """The muscle at m poses: the fields of MuscleState with a leading m, read-only.
+
+    ``states[3]`` is a MuscleState; a slice, an array of indices, or of m booleans, gives
+    MuscleStates. To go over them gives a MuscleState for each pose.
+    """
+
+    theta: Floats
+    """(m,) rad."""
+    lengths: Floats
+    """(m, n) m."""
+    moment_vectors: Floats
+    """(m, n, 3) m, about the scapula axes."""
+    wrap: Bytes
+    """(m, n) WrapState of each band."""
+    rotation: Floats
+    """(m, 3, 3) humerus -> scapula, as they were given."""
+    solver: LinkedPlaneSolver
+    """What solved them: the muscle and its side."""
+
+    def __post_init__(self) -> None:
+        for array in (self.theta, self.lengths, self.moment_vectors, self.wrap, self.rotation):
+            array.setflags(write=False)
+
+    @property
+    def total_length(self) -> Floats:
+        """(m,) sums of the band lengths, m."""
+        return np.asarray(self.lengths.sum(axis=1))
+
+    @cached_property
+    def _posed(self) -> tuple[Floats, Floats, Floats]:
+        return self.solver.draw_bands(self, 2)
+
+    @property
+    def insertions(self) -> Floats:
+        """(m, n, 3) insertions, m, scapula frame."""
+        return self._posed[0]
+
+    @property
+    def sphere_centres(self) -> Floats:
+        """(m, n, 3) obstacle sphere centres, m, scapula frame."""
+        return self._posed[1]
+
+    def paths(self, points: int = 16) -> list[list[Floats]]:
+        """Return, for each pose, each band's path as in `MuscleState.paths`."""
+        insertions, _, arcs = self.solver.draw_bands(self, points)
+        origins = self.solver.origins
+        return [
+            _polylines(origins, *pose) for pose in zip(insertions, arcs, self.wrap, strict=True)
+        ]
+
+    def __len__(self) -> int:
+        return len(self.theta)
+
+    @overload
+    def __getitem__(self, index: int | np.integer) -> MuscleState: ...
+
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | npt.NDArray[Any]) -> MuscleStates: ...
+
+    def __getitem__(self, index: Any) -> MuscleState | MuscleStates:
+        try:
+            i = operator.index(index)
+        except TypeError:
+            return self._chosen(index)
+        return MuscleState(
+            float(self.theta[i]),
+            self.lengths[i],
+            self.moment_vectors[i],
+            self.wrap[i],
+            self.rotation[i],
+            self.solver,
+        )
+
+    def _chosen(self, index: Any) -> MuscleStates:
+        chosen = np.arange(len(self))[index]
+        if chosen.ndim != 1:
+            raise IndexError(f'{index!r} given; an integer, a slice, or (k,) indices expected')
+        part = index if isinstance(index, slice) else chosen
+        return MuscleStates(
+            self.theta[part],
+            self.lengths[part],
+            self.moment_vectors[part],
+            self.wrap[part],
+            self.rotation[part],
+            self.solver,
+        )
+
+    def __iter__(self) -> Iterator[MuscleState]:
+        return (self[index] for index in range(len(self)))
+
+
+@dataclass(frozen=True, eq=False)
+class Answer(_Result):
+    """The muscle at three angles and speeds of a joint convention; its arrays are read-only."""
+
+    state: MuscleState
+    """The muscle at the angles."""
+    moment_arms: Floats
+    """(n, 3) about the coordinates, m: positive where shortening turns the joint forwards."""
+    lengthening: Floats
+    """(n,) how fast the bands grow longer at the speeds, m/s."""
+    axes: Floats
+    """(3, 3) column j is the axis of coordinate j, scapula frame (`JointConvention.axes`)."""
+
+    def __post_init__(self) -> None:
+        for array in (self.moment_arms, self.lengthening, self.axes):
+            array.setflags(False)  # type: ignore[call-arg]  # as above
+
+
+def _polylines(origins: Floats, insertions: Floats, arcs: Floats, wrap: Bytes) -> list[Floats]:
+    return [
+        np.concatenate((origins[i : i + 1], arcs[i], insertions[i : i + 1]))
+        if state == WRAPPED
+        else np.array((origins[i], insertions[i]))
+        for i, state in enumerate(wrap.tolist())
+    ]
