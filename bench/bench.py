@@ -37,7 +37,7 @@ FIRST_ANSWER = (
 )
 
 
-def poses(count: int) -> np.ndarray:
+def random_rotations(count: int) -> np.ndarray:
     """Return random rotations: flexion -40..120, abduction 0..120, rotation +-60 deg."""
     rng = np.random.default_rng(1)
     angles = np.radians(rng.uniform((-40, 0, -60), (120, 120, 60), (min(count, 5000), 3)))
@@ -45,7 +45,7 @@ def poses(count: int) -> np.ndarray:
     return np.resize(rotations, (count, 3, 3))
 
 
-def broadened(bands: int) -> BroadMuscle:
+def broaden_deltoid(bands: int) -> BroadMuscle:
     """Return the deltoid with another number of bands: the same fan in more planes."""
     muscle = BroadMuscle.load('deltoid')
     n = len(muscle.band_names)
@@ -67,11 +67,11 @@ def broadened(bands: int) -> BroadMuscle:
     )
 
 
-def rates(batches: Mapping[str, tuple[BroadMuscle, int, int]]) -> dict[str, float]:
+def measure_rates(batches: Mapping[str, tuple[BroadMuscle, int, int]]) -> dict[str, float]:
     """Return frames a second of solve_batch for each muscle, number of frames and of cores."""
 
     def batch(muscle: BroadMuscle, frames: int, cores: int) -> Callable[[], Any]:
-        one, rotations = LinkedPlaneSolver(muscle), poses(frames)
+        one, rotations = LinkedPlaneSolver(muscle), random_rotations(frames)
 
         def call() -> None:
             solver.available_cores = lambda: cores
@@ -87,15 +87,15 @@ def rates(batches: Mapping[str, tuple[BroadMuscle, int, int]]) -> dict[str, floa
     return {name: frames / times[name] for name, (_, frames, _) in batches.items()}
 
 
-def batch_memory(frames: int) -> float:
-    """Return MiB that solve_batch takes beyond its inputs and outputs, at its peak."""
+def measure_batch_memory(frames: int) -> float:
+    """Return the peak memory of solve_batch beyond its inputs and outputs, MiB."""
     code = (
         'import bench, pathlib\n'
         'def status(name):\n'
         "    lines = pathlib.Path('/proc/self/status').read_text().splitlines()\n"
         '    return next(int(l.split()[1]) for l in lines if l.startswith(name)) / 1024\n'
         "one = bench.LinkedPlaneSolver(bench.BroadMuscle.load('deltoid'))\n"
-        f'rotations = bench.poses({frames})\n'
+        f'rotations = bench.random_rotations({frames})\n'
         'one.solve_batch(rotations[:1000])\n'
         "pathlib.Path('/proc/self/clear_refs').write_text('5')\n"
         "before = status('VmRSS')\n"
@@ -103,11 +103,11 @@ def batch_memory(frames: int) -> float:
         'kept = (batch.theta, batch.lengths, batch.moment_vectors, batch.wrap, batch.rotation)\n'
         "print(status('VmHWM') - before - sum(each.nbytes for each in kept) / 2**20)\n"
     )
-    return float(output(code))
+    return float(run_python(code))
 
 
-def output(code: str, **environment: str) -> str:
-    """Run Python code, or a file of it, in a process of its own and return what it prints."""
+def run_python(code: str, **environment: str) -> str:
+    """Run Python code, or a file of it, in a new process; return what it prints."""
     run = subprocess.run(
         [sys.executable, *([code] if code.endswith('.py') else ['-c', code])],
         env={
@@ -122,17 +122,17 @@ def output(code: str, **environment: str) -> str:
     return run.stdout.strip()
 
 
-def start_up(rounds: int, **environment: str) -> float:
+def measure_start_up(rounds: int, **environment: str) -> float:
     """Return s from the start of a process to its first answer."""
     times = []
     for _ in range(rounds):
         start = time.perf_counter()
-        output(FIRST_ANSWER, **environment)
+        run_python(FIRST_ANSWER, **environment)
         times.append(time.perf_counter() - start)
     return min(times)
 
 
-def rivals(one: LinkedPlaneSolver) -> tuple[dict[str, Callable[[], Any]], dict[str, str]]:
+def other_engines(one: LinkedPlaneSolver) -> tuple[dict[str, Callable[[], Any]], dict[str, str]]:
     """Return MuJoCo's and OpenSim's calls for nine unlinked bands, and why any are left out."""
     from rivals import MujocoBands, OpenSimBands
 
@@ -143,7 +143,7 @@ def rivals(one: LinkedPlaneSolver) -> tuple[dict[str, Callable[[], Any]], dict[s
     missing = {}
     try:
         mujoco = MujocoBands(*given)
-        mujoco.pose(THESIS.rotation(POSE))
+        mujoco.set_pose(THESIS.rotation(POSE))
         calls['mujoco'] = mujoco.update
     except ImportError as error:
         missing['mujoco'] = f'left out: {error}'
@@ -159,12 +159,12 @@ def measure() -> dict[str, Any]:
     """Return every figure, in s, frames a second and MiB."""
     one = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
     rotation = THESIS.rotation(POSE)
-    figures: dict[str, Any] = {'machine': machine(), 'compiled': COMPILED}
-    calls, missing = rivals(one)
+    figures: dict[str, Any] = {'machine': describe_machine(), 'compiled': COMPILED}
+    calls, missing = other_engines(one)
     figures.update(best({'call': lambda: one.solve(rotation), **calls}), **missing)
-    figures.update(best(criterion.calls(one)))
+    figures.update(best(criterion.criterion_calls(one)))
     figures['call uncompiled'] = float(
-        output(
+        run_python(
             'import bench; one = bench.LinkedPlaneSolver(bench.BroadMuscle.load("deltoid"))\n'
             'rotation = bench.THESIS.rotation(bench.POSE)\n'
             "print(bench.best({'call': lambda: one.solve(rotation)})['call'])",
@@ -172,28 +172,28 @@ def measure() -> dict[str, Any]:
         )
     )
     two = min(2, solver.available_cores())
-    figures['frames'] = rates(
+    figures['frames'] = measure_rates(
         {
             f'{frames:,} frames, {used} core{"s" * (used > 1)}': (one.muscle, frames, used)
             for frames in (100, 1_000, 10_000, 100_000)
             for used in range(1, two + 1)
         }
     )
-    figures['bands'] = rates(
-        {f'{n} bands, 2,000 frames': (broadened(n), 2_000, two) for n in (9, 90, 900)}
+    figures['bands'] = measure_rates(
+        {f'{n} bands, 2,000 frames': (broaden_deltoid(n), 2_000, two) for n in (9, 90, 900)}
     )
-    figures['batch memory'] = {str(m): batch_memory(m) for m in (100_000, 400_000)}
-    figures['start cached'] = start_up(5)
+    figures['batch memory'] = {str(m): measure_batch_memory(m) for m in (100_000, 400_000)}
+    figures['start cached'] = measure_start_up(5)
     with tempfile.TemporaryDirectory() as empty:
-        figures['start cold'] = start_up(1, NUMBA_CACHE_DIR=empty)
-    figures['start uncompiled'] = start_up(5, LINKEDPLANE_COMPILE='0')
+        figures['start cold'] = measure_start_up(1, NUMBA_CACHE_DIR=empty)
+    figures['start uncompiled'] = measure_start_up(5, LINKEDPLANE_COMPILE='0')
     figures['recordings'] = recordings.measure()
-    figures['latency'] = json.loads(output(str(HERE / 'latency.py')))
-    figures['viewer'] = json.loads(output(str(HERE / 'viewer.py')))
+    figures['latency'] = json.loads(run_python(str(HERE / 'latency.py')))
+    figures['viewer'] = json.loads(run_python(str(HERE / 'viewer.py')))
     return figures
 
 
-def machine() -> str:
+def describe_machine() -> str:
     """Return the processor's name and the number of cores in use."""
     try:
         lines = Path('/proc/cpuinfo').read_text().splitlines()
@@ -203,7 +203,7 @@ def machine() -> str:
     return f'{name}, {solver.available_cores()} cores, Python {platform.python_version()}'
 
 
-def table(figures: dict[str, Any]) -> str:
+def format_table(figures: dict[str, Any]) -> str:
     """Return the figures as the documentation has them (doc/explanation/speed.md)."""
     call = figures['call']
     rows = [
@@ -291,7 +291,7 @@ def viewer_rows(found: list[dict[str, Any]] | str) -> list[tuple[str, str, str]]
 def main() -> None:
     """Measure, print the table and write the JSON file."""
     figures = measure()
-    print(table(figures))
+    print(format_table(figures))
     folder = HERE.parent / 'build'
     folder.mkdir(exist_ok=True)
     (folder / 'bench.json').write_text(json.dumps(figures, indent=2) + '\n')

@@ -14,20 +14,20 @@ from typing import Any
 import numpy as np
 
 UNIT = 10.0  # units of the viewer's scene in a metre
-PATIENCE = 60.0  # s: the longest that anything is waited for
+PATIENCE = 60.0  # s: the longest wait for anything
 CHROMIUM = shutil.which('chromium')
-# drawn in software: slow, but the same everywhere; Mesa, where it is, takes half the time
+# drawn in software: slow, but the same everywhere; Mesa, if installed, takes half the time
 MESA = ['--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist']
 SWIFTSHADER = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
 DRIVERS = Path('/usr/lib').glob('*/dri/swrast_dri.so')
 DRAWING = MESA if find_library('EGL_mesa') and any(DRIVERS) else SWIFTSHADER
 SOFTWARE = {'EGL_PLATFORM': 'surfaceless', 'LIBGL_ALWAYS_SOFTWARE': '1'}
-# the rest of the page is quicker without what stands in for a graphics card
+# the rest of the page is faster without the emulated graphics card
 PLAIN = ['--disable-gpu-rasterization', '--disable-gpu-compositing']
-# Chromium's own way with cards that are slow at it: edges are not smoothed
+# what Chromium does with slow cards: edges are not smoothed
 ROUGH = ['--disable_chromium_framebuffer_multisample']
 ALONE = ['--no-sandbox', '--disable-background-networking', '--disable-component-update']
-TOLD = b'GuiUpdate'  # in what the page sends when something on its panel has changed
+CHANGE = b'GuiUpdate'  # in what the page sends when a control of its panel has changed
 WINDOW = {'width': 1280, 'height': 720}
 LINES = """name => {
   const node = window.__viserMutable?.nodeRefFromName[name];
@@ -44,7 +44,7 @@ MATRICES = """name => {
     nodeRefFromName[name].matrixWorld];
   return used.map(each => each.elements);
 }"""
-REACHES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
+RANGES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
   .map(({chart: {scales: {x, y}}}) => [x.min, x.max, y.min, y.max])"""
 
 
@@ -52,31 +52,31 @@ class Page:
     """A page of the browser at the viewer."""
 
     def __init__(self, page: Any, url: str, dpr: float = 0.3) -> None:
-        """Load it; so many pixels are drawn for one of the page's, few to be quick."""
+        """Load it; `dpr` pixels are drawn for one of the page, few for speed."""
         self.page = page
         self.errors: list[str] = []
-        self._told = 0
+        self._changes = 0
         self.requests: list[str] = []
         page.on('pageerror', lambda error: self.errors.append(str(error)))
-        page.on('console', self._said)
+        page.on('console', self._on_console)
         page.on('request', lambda request: self.requests.append(request.url))
-        page.on('websocket', self._connected)
+        page.on('websocket', self._on_websocket)
         page.set_default_timeout(1e3 * PATIENCE)
         page.goto(f'{url}/?fixedDpr={dpr}' if url.startswith('http') else url)
 
-    def _said(self, message: Any) -> None:
+    def _on_console(self, message: Any) -> None:
         if message.type == 'error':
             self.errors.append(message.text)
 
-    def _connected(self, socket: Any) -> None:
+    def _on_websocket(self, socket: Any) -> None:
         self.requests.append(socket.url)
-        socket.on('framesent', self._sent)
+        socket.on('framesent', self._on_frame_sent)
 
-    def _sent(self, frame: str | bytes) -> None:
-        self._told += isinstance(frame, bytes) and TOLD in frame
+    def _on_frame_sent(self, frame: str | bytes) -> None:
+        self._changes += isinstance(frame, bytes) and CHANGE in frame
 
     def lines(self, name: str = '/deltoid/bands/lines') -> np.ndarray:
-        """Return what the scene holds of lines: (m, 2, 3), m; none where they are not there."""
+        """Return the lines of a name in the scene: (m, 2, 3), m; empty if there are none."""
         script = f'name => Array.from(({LINES})(name)?.attributes.instanceStart.data.array ?? [])'
         return np.array(self.page.evaluate(script, name)).reshape(-1, 2, 3) / UNIT
 
@@ -85,59 +85,59 @@ class Page:
         script = f'name => Array.from(({LINES})(name).attributes.instanceColorStart.data.array)'
         return np.array(self.page.evaluate(script, name)).reshape(-1, 2, 3)
 
-    def places(self, points: np.ndarray, name: str = '/deltoid') -> np.ndarray:
-        """Return where points (k, 3), m, of a frame are seen: (k, 2), -1..1 from the left, up."""
-        project, see, put = (
+    def project_points(self, points: np.ndarray, name: str = '/deltoid') -> np.ndarray:
+        """Return where points (k, 3), m, of a frame are seen: (k, 2), -1..1 to the right and up."""
+        project, view, place = (
             np.array(each).reshape(4, 4).T for each in self.page.evaluate(MATRICES, name)
         )
-        seen = np.column_stack((UNIT * points, np.ones(len(points)))) @ (project @ see @ put).T
+        seen = np.column_stack((UNIT * points, np.ones(len(points)))) @ (project @ view @ place).T
         return np.asarray(seen[:, :2] / seen[:, 3:])
 
     def plots(self) -> list[np.ndarray]:
-        """Return the columns of each plot that is to be seen, x first."""
+        """Return the columns of each visible plot, x first."""
         return [np.array(columns, dtype=float) for columns in self.page.evaluate(PLOTS)]
 
-    def reaches(self) -> np.ndarray:
-        """Return from where to where each plot reaches: across, then up (k, 4)."""
-        return np.array(self.page.evaluate(REACHES), dtype=float).reshape(-1, 4)
+    def plot_ranges(self) -> np.ndarray:
+        """Return the ends of the axes of each plot: of x, then of y (k, 4)."""
+        return np.array(self.page.evaluate(RANGES), dtype=float).reshape(-1, 4)
 
-    def frames(self) -> int:
+    def frame_count(self) -> int:
         """Return how often the scene was drawn."""
         return int(self.page.evaluate('window.__viserTestpoints.rendererInfo.render.frame'))
 
     @contextmanager
-    def telling(self) -> Iterator[None]:
-        """Wait until what is done here is sent: the library keeps but the last change of 50 ms."""
-        before = self._told
+    def expect_change(self) -> Iterator[None]:
+        """Wait until the change made here is sent: the library keeps only the last one of 50 ms."""
+        before = self._changes
         yield
-        if not until(lambda: self._told > before, wait=self.page.wait_for_timeout):
+        if not wait_until(lambda: self._changes > before, wait=self.page.wait_for_timeout):
             raise TimeoutError('nothing was sent')
 
-    def press(self, text: str) -> None:
-        """Press a button; a slow machine is not asked to hold still for it."""
-        with self.telling():
-            self.turn_to(text)
+    def press_button(self, text: str) -> None:
+        """Press a button, even while it moves on a slow machine."""
+        with self.expect_change():
+            self.open_tab(text)
 
-    def turn_to(self, text: str) -> None:
-        """Press what bears a text and changes nothing but what this page shows: a tab."""
+    def open_tab(self, text: str) -> None:
+        """Press a tab, which changes only what this page shows."""
         self.page.get_by_text(text, exact=True).first.click(force=True)
 
-    def tick(self, label: str) -> None:
+    def toggle(self, label: str) -> None:
         """Press the checkbox beside a label."""
         row = self.page.get_by_text(label, exact=True).first
-        with self.telling():
+        with self.expect_change():
             row.locator('xpath=following::input[@type="checkbox"][1]').dispatch_event('click')
 
-    def choose(self, chosen: str, other: str) -> None:
+    def choose_option(self, chosen: str, other: str) -> None:
         """Choose something else where something is chosen; a list out of sight would not open."""
         box = self.page.locator(f'input[value="{chosen}"]').first
         box.scroll_into_view_if_needed()
         box.dispatch_event('click')
-        with self.telling():
+        with self.expect_change():
             self.page.get_by_role('option', name=other, exact=True).dispatch_event('click')
 
-    def reach(self, slider: int, degrees: float) -> None:
-        """Take the pointer where about so many degrees are on a slider's track."""
+    def hover_slider(self, slider: int, degrees: float) -> None:
+        """Move the pointer to about so many degrees on the track of a slider."""
         thumb = self.page.locator('[role=slider]').nth(slider)
         low, high = (float(thumb.get_attribute(f'aria-value{end}')) for end in ('min', 'max'))
         track = self.page.locator('.mantine-Slider-track').nth(slider).bounding_box()
@@ -145,40 +145,42 @@ class Page:
         middle = track['y'] + 0.5 * track['height']
         self.page.mouse.move(track['x'] + part * track['width'], middle)
 
-    def slide(self, slider: int, degrees: float) -> None:
-        """Move a slider: press its track where about so many degrees are."""
-        self.reach(slider, degrees)
-        with self.telling():
+    def move_slider(self, slider: int, degrees: float) -> None:
+        """Move a slider: press its track at about so many degrees."""
+        self.hover_slider(slider, degrees)
+        with self.expect_change():
             self.page.mouse.down()
             self.page.mouse.up()
 
-    def type(self, slider: int, number: str) -> None:
-        """Type a number beside a slider, and leave it at that."""
+    def type_number(self, slider: int, number: str) -> None:
+        """Type a number into the box beside a slider."""
         box = self.page.locator('.mantine-NumberInput-root input').nth(slider)
-        with self.telling():
+        with self.expect_change():
             box.fill(number)
         box.blur()
 
-    def angles(self) -> np.ndarray:
-        """Return where the sliders stand, rad."""
+    def slider_angles(self) -> np.ndarray:
+        """Return the angles of the sliders, rad."""
         thumbs = self.page.locator('[role=slider]').all()
         return np.radians([float(thumb.get_attribute('aria-valuenow')) for thumb in thumbs[:3]])
 
 
 @contextmanager
-def browser(smooth: bool = False) -> Iterator[Any]:
+def open_browser(smooth: bool = False) -> Iterator[Any]:
     """Run the browser; edges are `smooth` by multisampling, which is slow in software."""
     from playwright.sync_api import sync_playwright
 
     arguments = [*DRAWING, *PLAIN, *([] if smooth else ROUGH), *ALONE]
     environment = {**os.environ, **SOFTWARE}
     with sync_playwright() as playwright:
-        made = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments, env=environment)
-        yield made
-        made.close()
+        chromium = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=arguments, env=environment
+        )
+        yield chromium
+        chromium.close()
 
 
-def until(
+def wait_until(
     condition: Callable[[], bool],
     seconds: float = PATIENCE,
     wait: Callable[[float], None] = lambda milliseconds: time.sleep(1e-3 * milliseconds),

@@ -17,7 +17,7 @@ CASE_STUDY = {'flexion': 80, 'abduction': 90, 'scaption': 60}  # deg, by tens: 2
 PART = 1e-3  # m: what the bands are off by, so that nothing is zero
 
 
-def calls(one: LinkedPlaneSolver) -> dict[str, Callable[[], Any]]:
+def criterion_calls(one: LinkedPlaneSolver) -> dict[str, Callable[[], Any]]:
     """Return the criterion over all bands at the poses of the case study; solve_batch at them."""
     measured = [
         Measurement(band, i, motion, (float(np.radians(angle)),), 0.1 + PART, PART)

@@ -58,19 +58,19 @@ class Stopwatch(Node):
             )
             self.readers.append(
                 self.create_subscription(
-                    JointState, f'/{space}/deltoid/band_states', self._arrived, deep
+                    JointState, f'/{space}/deltoid/band_states', self._on_answer, deep
                 )
             )
         self.spinner = SingleThreadedExecutor()
         self.spinner.add_node(self)
         self._stamp = 0
 
-    def _arrived(self, message: JointState) -> None:
+    def _on_answer(self, message: JointState) -> None:
         stamp = message.header.stamp
         self.arrivals[stamp.sec * 10**9 + stamp.nanosec] = time.perf_counter()
 
     def connect(self) -> None:
-        """Wait until both nodes are there; RuntimeError if they do not come."""
+        """Wait until both nodes are found; RuntimeError if they are not."""
         deadline = time.monotonic() + MATCH
         while not all(p.get_subscription_count() for p in self.publishers_to.values()) or not all(
             r.get_publisher_count() for r in self.readers
@@ -79,8 +79,8 @@ class Stopwatch(Node):
                 raise RuntimeError('the nodes did not find each other')
             self.spinner.spin_once(timeout_sec=0.05)
 
-    def turn(self, name: str, rate: int, seconds: float) -> tuple[list[float], int]:
-        """Feed one node at a rate; return the latencies, s, of its answers, and how many lack."""
+    def feed(self, name: str, rate: int, seconds: float) -> tuple[list[float], int]:
+        """Feed one node; return the latencies of its answers, s, and the number missing."""
         publisher = self.publishers_to[name]
         period = 10**9 // rate
         sent: dict[int, float] = {}
@@ -102,14 +102,14 @@ class Stopwatch(Node):
         return [self.arrivals[k] - sent[k] for k in answered], len(sent) - len(answered)
 
 
-def cpu(process: subprocess.Popen[bytes]) -> float:
-    """Return the s of processor time that a process has used."""
+def cpu_time(process: subprocess.Popen[bytes]) -> float:
+    """Return the processor time of a process so far, s."""
     fields = Path(f'/proc/{process.pid}/stat').read_text().rpartition(')')[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
 def read_markers() -> None:
-    """Take in the markers of both nodes, unread, until interrupted."""
+    """Receive the markers of both nodes, unread, until interrupted."""
     rclpy.init()
     reader = Node('marker_reader')
     for name in NODES:
@@ -134,7 +134,7 @@ def measure() -> dict[str, dict[str, dict[str, float]]]:
     try:
         stopwatch.connect()
         for name in NODES:
-            stopwatch.turn(name, 100, 1.0)
+            stopwatch.feed(name, 100, 1.0)
         found: dict[str, dict[str, dict[str, float]]] = {}
         for rate in RATES:
             times: dict[str, list[float]] = {name: [] for name in NODES}
@@ -142,11 +142,11 @@ def measure() -> dict[str, dict[str, dict[str, float]]]:
             used = dict.fromkeys(NODES, 0.0)
             for _ in range(TURNS):
                 for name in NODES:
-                    before = cpu(processes[name])
-                    latencies, missing = stopwatch.turn(name, rate, TURN)
+                    before = cpu_time(processes[name])
+                    latencies, missing = stopwatch.feed(name, rate, TURN)
                     times[name] += latencies
                     lost[name] += missing
-                    used[name] += cpu(processes[name]) - before
+                    used[name] += cpu_time(processes[name]) - before
             found[f'{rate} Hz'] = {
                 name: {
                     'median': float(np.median(times[name])),

@@ -103,8 +103,8 @@ def copy(source: Path, target: Path) -> None:
         copy_table(source, target)
 
 
-def timed(work: Callable[[Path, Path], None], source: Path, target: Path) -> float:
-    """Return how long it takes to make one path of another, s."""
+def time_work(work: Callable[[Path, Path], None], source: Path, target: Path) -> float:
+    """Return the time that it takes to turn one path into another, s."""
     start = time.perf_counter()
     work(source, target)
     return time.perf_counter() - start
@@ -142,8 +142,8 @@ def measure() -> dict[str, dict[str, float]]:
                 if report.fault:
                     raise RuntimeError(report.fault)
                 times['processing'].append(report.seconds)
-                times['result'].append(timed(copy, task.target, copied))
-                times['source'].append(timed(copy, task.source, again))
+                times['result'].append(time_work(copy, task.target, copied))
+                times['source'].append(time_work(copy, task.source, again))
             kind = Path(source).suffix or f'a bag ({source})'
             found[f'{kind} into {ending or "a bag"}'] = {
                 key: FRAMES / min(each) for key, each in times.items()

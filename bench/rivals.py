@@ -9,10 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-
+from linkedplane_ros.types import Floats
 
 SIGNS = (1.0, -1.0, 1.0)  # flexion about x, abduction about -y, rotation about z
 
@@ -27,12 +25,12 @@ class MujocoBands:
         self._mujoco = mujoco
         ground, humerus, tendons = [], [], []
         for i in range(len(radii)):
-            ground.append(f'<site name="p{i}" pos="{spaced(origins[i])}"/>')
+            ground.append(f'<site name="p{i}" pos="{format_vector(origins[i])}"/>')
             ground.append(
                 f'<geom name="g{i}" type="sphere" size="{radii[i]:.17g}" '
-                f'pos="{spaced(centres[i])}" mass="0" contype="0" conaffinity="0"/>'
+                f'pos="{format_vector(centres[i])}" mass="0" contype="0" conaffinity="0"/>'
             )
-            humerus.append(f'<site name="s{i}" pos="{spaced(insertions[i])}"/>')
+            humerus.append(f'<site name="s{i}" pos="{format_vector(insertions[i])}"/>')
             tendons.append(
                 f'<spatial><site site="p{i}"/><geom geom="g{i}"/><site site="s{i}"/></spatial>'
             )
@@ -43,7 +41,7 @@ class MujocoBands:
         )
         self._data = mujoco.MjData(self._model)
 
-    def pose(self, rotation: Floats) -> None:
+    def set_pose(self, rotation: Floats) -> None:
         """Turn the humerus, (3, 3) humerus -> ground."""
         self._mujoco.mju_mat2Quat(self._data.qpos, np.ascontiguousarray(rotation).ravel())
 
@@ -55,7 +53,7 @@ class MujocoBands:
 
     def solve(self, rotation: Floats) -> tuple[Floats, Floats]:
         """Return lengths (n,) and moment vectors (n, 3), m, ground axes."""
-        self.pose(rotation)
+        self.set_pose(rotation)
         self.update()
         n = self._model.ntendon
         jacobian = np.zeros((n, 3))
@@ -115,6 +113,6 @@ class OpenSimBands:
         return lengths, arms * SIGNS
 
 
-def spaced(vector: Floats) -> str:
-    """Return a vector as MJCF has it."""
+def format_vector(vector: Floats) -> str:
+    """Return a vector as MJCF writes it."""
     return ' '.join(f'{x:.17g}' for x in vector)

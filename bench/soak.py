@@ -1,6 +1,6 @@
 """Soak the node: 1 kHz for five minutes, markers on; every message answered, memory flat.
 
-`make soak` runs it; `make soak SECONDS=60` for less. Ends with status 1 if a bound is not kept.
+`make soak` runs it; `make soak SECONDS=60` for less. It ends with status 1 if a bound is exceeded.
 """
 
 from __future__ import annotations
@@ -44,19 +44,19 @@ class Feeder(Node):
         self.sent = self.answered = self.disordered = self.markers = 0
         self.values: dict[str, str] = {}
         self.joints = self.create_publisher(JointState, 'joint_states', deep)
-        self.create_subscription(JointState, 'deltoid/band_states', self._answered, deep)
-        self.create_subscription(MarkerArray, 'deltoid/markers', self._shown, 10, raw=True)
-        self.create_subscription(DiagnosticArray, '/diagnostics', self._told, 10)
+        self.create_subscription(JointState, 'deltoid/band_states', self._on_answer, deep)
+        self.create_subscription(MarkerArray, 'deltoid/markers', self._on_markers, 10, raw=True)
+        self.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
 
-    def _answered(self, message: JointState) -> None:
+    def _on_answer(self, message: JointState) -> None:
         stamp = message.header.stamp
         self.disordered += stamp.sec * RATE + stamp.nanosec * RATE // 10**9 != self.answered
         self.answered += 1
 
-    def _shown(self, message: bytes) -> None:
+    def _on_markers(self, message: bytes) -> None:
         self.markers += 1
 
-    def _told(self, message: DiagnosticArray) -> None:
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
         self.values = {item.key: item.value for item in message.status[0].values}
 
     def send(self) -> None:
@@ -69,7 +69,7 @@ class Feeder(Node):
         self.sent += 1
 
 
-def resident(process: subprocess.Popen[bytes]) -> float:
+def resident_memory(process: subprocess.Popen[bytes]) -> float:
     """Return the MiB of memory that a process holds."""
     pages = int(Path(f'/proc/{process.pid}/statm').read_text().split()[1])
     return pages * os.sysconf('SC_PAGE_SIZE') / 2**20
@@ -87,7 +87,7 @@ def soak(feeder: Feeder, process: subprocess.Popen[bytes], seconds: float) -> li
     begin = time.perf_counter()
     while (now := time.perf_counter() - begin) < seconds:
         if now > len(memory):
-            memory.append(resident(process))
+            memory.append(resident_memory(process))
         while feeder.sent <= now * RATE:
             feeder.send()
         spinner.spin_once(timeout_sec=max(0.0, feeder.sent / RATE - now))
@@ -122,9 +122,9 @@ def main() -> int:
             print(f'  {key}: {value}')
     print(f'memory: {memory[0]:.1f} MiB at first, {memory[start]:.1f} after {start} s, '
           f'at most {growth:.2f} more since (bound: {GROWTH:g}); exit status {status}')  # fmt: skip
-    kept = feeder.answered == feeder.sent and not feeder.disordered and growth < GROWTH
-    kept = kept and feeder.markers > 25 * seconds
-    return 0 if kept and status == 0 else 1
+    within = feeder.answered == feeder.sent and not feeder.disordered and growth < GROWTH
+    within = within and feeder.markers > 25 * seconds
+    return 0 if within and status == 0 else 1
 
 
 if __name__ == '__main__':

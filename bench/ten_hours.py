@@ -1,4 +1,4 @@
-"""Process a recording of ten hours at 100 Hz, and tell the most memory that it took.
+"""Process a recording of ten hours at 100 Hz, and print the most memory that it took.
 
 Run as `python bench/ten_hours.py [HOURS]`; ten hours need 12 GB of disk and some ten minutes.
 """
@@ -46,10 +46,10 @@ def main() -> None:
         write_long(folder / 'long', frames)
         command = ['-m', 'linkedplane_ros.commands', 'process', str(folder / 'long')]
         subprocess.run([sys.executable, *command, str(folder / 'out')], check=True)
-        made = sum(each.stat().st_size for each in (folder / 'out').iterdir())
+        written = sum(each.stat().st_size for each in (folder / 'out').iterdir())
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     print(f'{frames:,} frames, {hours:g} h at {RATE} Hz: at most {peak:.0f} MiB held, '
-          f'{made / 2**30:.1f} GiB written')  # fmt: skip
+          f'{written / 2**30:.1f} GiB written')  # fmt: skip
     sys.exit(peak > LIMIT)
 
 

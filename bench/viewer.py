@@ -17,7 +17,7 @@ import sys
 from typing import Any
 
 import numpy as np
-from browser import CHROMIUM, LINES, WINDOW, Page, browser, until
+from browser import CHROMIUM, LINES, WINDOW, Page, open_browser, wait_until
 
 COUNT = 60
 WARMING = 10  # before them: shaders and the page are compiled with the first frames
@@ -59,15 +59,15 @@ DRAWN_BY = """() => {
 }"""
 
 
-def times(page: Page) -> list[float]:
+def measure_times(page: Page) -> list[float]:
     """Return the times of all moves, s."""
-    page.reach(0, PLACES[1])
+    page.hover_slider(0, PLACES[1])
     page.page.mouse.down()
     found = []
     for k in range(WARMING + COUNT):
         page.page.wait_for_timeout(PAUSES[k])
         page.page.evaluate(WATCH)
-        page.reach(0, PLACES[k % 2])
+        page.hover_slider(0, PLACES[k % 2])
         page.page.wait_for_function('typeof window.taken === "number"')
         found.append(1e-3 * page.page.evaluate('window.taken'))
     return found[WARMING:]
@@ -82,11 +82,11 @@ def measure(smooth: bool) -> dict[str, Any]:
         found = re.search(r'open (http\S+)', viewer.stdout.readline())
         if not found:
             raise RuntimeError('the viewer did not start')
-        with browser(smooth) as chromium:
+        with open_browser(smooth) as chromium:
             page = Page(chromium.new_page(viewport=WINDOW), found.group(1), PIXELS)
-            if not until(lambda: len(page.lines()) > 0, 300.0):
+            if not wait_until(lambda: len(page.lines()) > 0, 300.0):
                 raise RuntimeError('the viewer shows no muscle')
-            taken = times(page)
+            taken = measure_times(page)
             drawn_by, samples, pixels = page.page.evaluate(DRAWN_BY)
     finally:
         viewer.send_signal(signal.SIGINT)

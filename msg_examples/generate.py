@@ -1,4 +1,4 @@
-"""Make the sample messages, their expected answers and the arm-raise recording of this folder.
+"""Write the sample messages, their expected answers and the arm-raise recording of this folder.
 
 Run it where linkedplane_ros[tools] is installed: `python msg_examples/generate.py [FOLDER]`.
 """
@@ -11,14 +11,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import yaml
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
-
-Floats = npt.NDArray[np.float64]
+from linkedplane_ros.recordings.bags import JOINT_STATE
+from linkedplane_ros.types import Floats
 
 START = 1_700_000_000  # s since the epoch: when the scripted recording begins
 SECONDS, RATE = 6.0, 100  # of the arm raise; Hz
@@ -48,7 +47,7 @@ def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     solver = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
     for name, pose in POSES.items():
-        message, expected = example(solver, *pose[1:])
+        message, expected = build_example(solver, *pose[1:])
         title = f'# {pose[0]} ({pose[1]}, right arm, humerus against scapula), rad and rad/s\n'
         (folder / f'{name}.yaml').write_text(title + to_yaml(message), encoding='utf-8')
         title = f'# the answer to {name}.yaml: SI; positive moment arms shorten with the angle\n'
@@ -56,7 +55,7 @@ def main(folder: Path) -> None:
     write_recording(folder / 'arm_raise')
 
 
-def example(
+def build_example(
     solver: LinkedPlaneSolver,
     convention_name: str,
     degrees: tuple[float, ...],
@@ -79,15 +78,15 @@ def example(
         'joint_convention': convention.name,
         'bands': list(solver.muscle.band_names),
         'coordinates': list(convention.coordinates),
-        'band_lengths': rounded(state.lengths),
-        'moment_arms': rounded(arms),
+        'band_lengths': round_values(state.lengths),
+        'moment_arms': round_values(arms),
         'wrap_states': [WrapState(wrap).name for wrap in state.wrap],
-        'lengthening_velocity': rounded(-arms @ rates) if speeds else [],
+        'lengthening_velocity': round_values(-arms @ rates) if speeds else [],
     }
     return message, expected
 
 
-def rounded(values: Floats) -> object:
+def round_values(values: Floats) -> object:
     """Return values as lists of numbers, to 1e-12."""
     return (np.round(values, 12) + 0.0).tolist()
 
@@ -97,8 +96,8 @@ def to_yaml(content: dict[str, object]) -> str:
     return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=10**6)
 
 
-def arm_raise() -> Iterator[tuple[int, Floats, Floats]]:
-    """Return (ns, angles, velocities) of an arm raised 110 deg in scaption and back.
+def arm_raise_frames() -> Iterator[tuple[int, Floats, Floats]]:
+    """Yield (ns, angles, velocities) of an arm raised 110 deg in scaption and back.
 
     A minimum-jerk rise and fall about the scaption axis (sin 30, -cos 30, 0), thesis ch. 5, with
     the humerus turned externally by a third of the elevation.
@@ -112,7 +111,7 @@ def arm_raise() -> Iterator[tuple[int, Floats, Floats]]:
         rise = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
         speed = direction * 2.0 / SECONDS * 30.0 * x**2 * (1.0 - x) ** 2
         elevation, rate = np.radians(110.0) * rise, np.radians(110.0) * speed
-        # raised about the horizontal axis of the plane: what the plane turns, the axial turn undoes
+        # raised about the horizontal axis of the plane: the axial rotation undoes that of the plane
         isb_angles = np.array([plane, elevation, -plane - elevation / 3.0])
         omega = isb.axes(isb_angles) @ np.array([0.0, rate, -rate / 3.0])
         angles = convention.angles(isb.rotation(isb_angles))
@@ -125,22 +124,21 @@ def write_recording(folder: Path) -> None:
     store = get_typestore(Stores.ROS2_JAZZY)
     types = store.types
     names = list(JOINT_CONVENTIONS['flexion_abduction_rotation'].coordinates)
-    kind = 'sensor_msgs/msg/JointState'
     if folder.exists():
         shutil.rmtree(folder)
     with Writer(folder, version=8, storage_plugin=StoragePlugin.MCAP) as bag:
-        connection = bag.add_connection('/joint_states', kind, typestore=store)
-        for nanoseconds, angles, velocities in arm_raise():
+        connection = bag.add_connection('/joint_states', JOINT_STATE, typestore=store)
+        for nanoseconds, angles, velocities in arm_raise_frames():
             seconds, rest = divmod(nanoseconds, 10**9)
             stamp = types['builtin_interfaces/msg/Time'](sec=seconds, nanosec=rest)
-            message = types[kind](
+            message = types[JOINT_STATE](
                 header=types['std_msgs/msg/Header'](stamp=stamp, frame_id=''),
                 name=names,
                 position=angles,
                 velocity=velocities,
                 effort=np.empty(0),
             )
-            bag.write(connection, nanoseconds, store.serialize_cdr(message, kind))
+            bag.write(connection, nanoseconds, store.serialize_cdr(message, JOINT_STATE))
 
 
 if __name__ == '__main__':

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from urllib.parse import urlsplit
 
 import pytest
-from browser import browser
+from browser import open_browser
 from viewer_stage import Stage
 
 
@@ -17,7 +17,7 @@ def stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
     At the end the page must have had no error, and asked for nothing beyond this machine.
     """
     folder = tmp_path_factory.mktemp('viewer')
-    with browser() as chromium:
+    with open_browser() as chromium:
         made = Stage(folder, chromium)
         yield made
         assert made.page.errors == []

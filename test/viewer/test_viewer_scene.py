@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from browser import Page, until
+from browser import Page, wait_until
 from ros_harness import NodeProcess
 from viewer_stage import DRAWN, MISSING, Stage, all_lines_are_seen, state_at
 
@@ -24,11 +24,11 @@ TABLET = {'width': 768, 'height': 1024}
 
 def test_bands_take_the_colour_of_their_moment_arm(stage: Stage) -> None:
     page = stage.page
-    page.press('scaption 60')
-    page.choose('head', 'moment arm')
+    page.press_button('scaption 60')
+    page.choose_option('head', 'moment arm')
     state = state_at(end_poses(THESIS)['scaption 60'])
     arms = 1e3 * (state.moment_vectors @ THESIS.axes(end_poses(THESIS)['scaption 60']))[:, 0]
-    assert until(lambda: page.page.get_by_text('moment arm about flexion, mm').count() > 0)
+    assert wait_until(lambda: page.page.get_by_text('moment arm about flexion, mm').count() > 0)
     most = max(
         float(text.removeprefix('+'))
         for text in page.page.locator('span:text-matches("^[+][0-9]+$")').all_inner_texts()
@@ -42,8 +42,8 @@ def test_bands_take_the_colour_of_their_moment_arm(stage: Stage) -> None:
         # the library takes 256 steps of light: dark colours are coarse
         return len(shown) == len(wanted) and bool(np.abs(shown - wanted).max() < 0.05)
 
-    assert until(painted)
-    page.choose('moment arm', 'head')
+    assert wait_until(painted)
+    page.choose_option('moment arm', 'head')
 
 
 def test_all_of_the_muscle_is_in_the_picture_of_a_tablet_too_with_lateral_on_its_left(
@@ -53,16 +53,21 @@ def test_all_of_the_muscle_is_in_the_picture_of_a_tablet_too_with_lateral_on_its
     pages = [stage.page, Page(tablet, stage.viewer.url)]
     centre = np.zeros(3)
     for pose, angles in end_poses(THESIS).items():
-        stage.page.press(pose)
+        stage.page.press_button(pose)
         state = state_at(angles)
         arm = np.vstack((*state.paths(16), shaft_axis(DELTOID) @ state.rotation.T))
         for page in pages:
             assert stage.shows(state, page)
-            assert until(lambda page=page, arm=arm: bool(np.abs(page.places(arm)).max() < 0.95))
-            middle, lateral, superior = page.places(np.array((centre, (0.1, 0, 0), (0, 0, 0.1))))
+            assert wait_until(
+                lambda page=page, arm=arm: bool(np.abs(page.project_points(arm)).max() < 0.95)
+            )
+            middle, lateral, superior = page.project_points(
+                np.array((centre, (0.1, 0, 0), (0, 0, 0.1)))
+            )
             assert lateral[0] < middle[0]
             assert superior[1] > middle[1]
-        assert np.ptp(stage.page.places(arm), axis=0).max() > 0.5  # of 2: not lost in the picture
+        seen = stage.page.project_points(arm)
+        assert np.ptp(seen, axis=0).max() > 0.5  # of 2: not lost in the picture
     tablet.close()
 
 
@@ -76,9 +81,9 @@ def heads_seen(picture: bytes) -> bool:
 
 
 def test_the_bands_are_seen_in_the_colours_of_their_heads(stage: Stage) -> None:
-    stage.page.press('neutral')
+    stage.page.press_button('neutral')
     scene = {'x': 0, 'y': 0, 'width': 900, 'height': 720}  # beside the panel and its legend
-    assert until(lambda: heads_seen(stage.page.page.screenshot(clip=scene)))
+    assert wait_until(lambda: heads_seen(stage.page.page.screenshot(clip=scene)))
 
 
 def test_spheres_and_planes_are_there_on_demand(stage: Stage) -> None:
@@ -92,36 +97,36 @@ def test_spheres_and_planes_are_there_on_demand(stage: Stage) -> None:
             )
         )
 
-    page.turn_to('look')
+    page.open_tab('look')
     for name, label in zip(names, ('obstacle spheres', 'interference spheres'), strict=True):
         assert not there(f'/deltoid/{name}')
-        page.tick(label)
-        assert until(lambda name=name: there(f'/deltoid/{name}'))
-        page.tick(label)
-    page.turn_to('plots')
+        page.toggle(label)
+        assert wait_until(lambda name=name: there(f'/deltoid/{name}'))
+        page.toggle(label)
+    page.open_tab('plots')
 
 
 def test_a_still_is_a_picture_of_the_scene(stage: Stage) -> None:
-    stage.page.press('neutral')
+    stage.page.press_button('neutral')
     assert stage.shows(state_at((0.0, 0.0, 0.0)))
-    stage.page.turn_to('save')
+    stage.page.open_tab('save')
     with stage.page.page.expect_download() as download:
-        stage.page.press('still (PNG)')
+        stage.page.press_button('still (PNG)')
     path = stage.folder / download.value.suggested_filename
     download.value.save_as(path)
     assert path.suffix == '.png'
     assert heads_seen(path.read_bytes())
-    stage.page.turn_to('plots')
+    stage.page.open_tab('plots')
 
 
 def test_a_recording_opens_without_a_server(stage: Stage) -> None:
-    stage.page.turn_to('save')
-    stage.page.press('record')
-    stage.page.press('abduction 90')
+    stage.page.open_tab('save')
+    stage.page.press_button('record')
+    stage.page.press_button('abduction 90')
     state = state_at((0.0, np.radians(90.0), 0.0))
     assert stage.shows(state)
     with stage.page.page.expect_download() as download:
-        stage.page.press('stop recording')
+        stage.page.press_button('stop recording')
     path = stage.folder / download.value.suggested_filename
     download.value.save_as(path)
     alone = stage.chromium.new_context(offline=True).new_page()
@@ -130,7 +135,7 @@ def test_a_recording_opens_without_a_server(stage: Stage) -> None:
     assert replay.errors == []
     assert {urlsplit(url).scheme for url in replay.requests} <= {'file', 'data', 'blob'}
     alone.close()
-    stage.page.turn_to('plots')
+    stage.page.open_tab('plots')
 
 
 def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
@@ -139,7 +144,7 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
     )
     page = stage.page
     with left:
-        assert until(lambda: len(page.lines('/left/deltoid/bands/lines')) > 0)
+        assert wait_until(lambda: len(page.lines('/left/deltoid/bands/lines')) > 0)
         mirrored = LinkedPlaneSolver(DELTOID, 'left').solve(np.eye(3)).paths(16)
         wanted = np.concatenate([np.stack((p[:-1], p[1:]), axis=1) for p in mirrored])
         there = page.lines('/left/deltoid/bands/lines')
@@ -147,14 +152,14 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
 
         def as_one_stands_before_a_person() -> bool:
             """Their right arm is on the left."""
-            right = page.places(page.lines().reshape(-1, 3))[:, 0]
+            right = page.project_points(page.lines().reshape(-1, 3))[:, 0]
             return bool(
-                right.max() < page.places(there.reshape(-1, 3), '/left/deltoid')[:, 0].min()
+                right.max() < page.project_points(there.reshape(-1, 3), '/left/deltoid')[:, 0].min()
             )
 
-        assert until(as_one_stands_before_a_person)
-        assert until(lambda: page.page.get_by_text('dashed: left deltoid').count() > 0)
-        page.choose('time', 'coordinate')
+        assert wait_until(as_one_stands_before_a_person)
+        assert wait_until(lambda: page.page.get_by_text('dashed: left deltoid').count() > 0)
+        page.choose_option('time', 'coordinate')
         # the left arm has not been moved: a point of its curves, the right one's before and behind
-        assert until(lambda: len(page.plots()) == 2 and len(page.plots()[0]) == 7)
+        assert wait_until(lambda: len(page.plots()) == 2 and len(page.plots()[0]) == 7)
         assert all_lines_are_seen(page)

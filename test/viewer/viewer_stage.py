@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from browser import CHROMIUM, WINDOW, Page, until
+from browser import CHROMIUM, WINDOW, Page, wait_until
 from optional import is_installed
 from ros_harness import NodeProcess
 
@@ -38,7 +38,7 @@ class ViewerProcess(NodeProcess):
         command = [sys.executable, '-m', 'linkedplane_ros.viewer', '--port', '0', *arguments]
         with log.open('wb') as out:
             self.process = subprocess.Popen(command, stdout=out, stderr=out)
-        assert until(lambda: 'open http' in self.text or self.process.poll() is not None)
+        assert wait_until(lambda: 'open http' in self.text or self.process.poll() is not None)
         found = re.search(r'open (http\S+)', self.text)
         assert found, self.text
         self.url = found.group(1)
@@ -53,7 +53,7 @@ class Stage:
         self.node = NodeProcess(folder / 'node.log', **{'markers.rate': 0.0})
         self.viewer = ViewerProcess(folder / 'viewer.log')
         self.page = self.open()
-        assert until(lambda: len(self.page.lines()) > 0), self.viewer.text
+        assert wait_until(lambda: len(self.page.lines()) > 0), self.viewer.text
 
     def open(self, dpr: float = 0.3) -> Page:
         return Page(self.chromium.new_page(viewport=WINDOW), self.viewer.url, dpr)
@@ -67,7 +67,7 @@ class Stage:
             drawn = (page or self.page).lines()
             return drawn.shape == wanted.shape and bool(np.abs(drawn - wanted).max() < DRAWN)
 
-        return until(equal)
+        return wait_until(equal)
 
 
 def state_at(angles: Any) -> MuscleState:
@@ -79,7 +79,7 @@ def all_lines_are_seen(page: Page) -> bool:
     """Wait until the plots have room for all that is in them; return whether they had."""
 
     def room() -> bool:
-        found = zip(page.plots(), page.reaches(), strict=True)
+        found = zip(page.plots(), page.plot_ranges(), strict=True)
         return all(
             (first, last) == (columns[0][0], columns[0][-1])
             and low < np.nanmin(columns[1:])
@@ -87,4 +87,4 @@ def all_lines_are_seen(page: Page) -> bool:
             for columns, (first, last, low, high) in found
         )
 
-    return until(room)
+    return wait_until(room)
