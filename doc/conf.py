@@ -10,6 +10,7 @@ from typing import Any
 from docutils import nodes
 from docutils.parsers.rst import Directive
 from pygments.lexers.special import TextLexer
+from sphinx.util.inspect import TypeAliasForwardRef
 
 import linkedplane_ros
 
@@ -35,6 +36,7 @@ autodoc_member_order = 'bysource'
 autodoc_typehints_format = 'short'
 autodoc_type_aliases = {name: name for name in vars(types) if name[0].isupper()}
 autodoc_type_aliases['npt.ArrayLike'] = 'ArrayLike'
+TypeAliasForwardRef.__repr__ = lambda alias: alias.name  # in a tuple, too
 napoleon_google_docstring = False
 python_use_unqualified_type_names = True
 # Types of other libraries have no page here; names of ours are found or are a warning.
@@ -94,9 +96,8 @@ def whole(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[
 def readable(
     app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, returns: str
 ) -> tuple[str | None, str]:
-    """Return the signature of a dataclass without Python's own words for its defaults and types."""
-    plain = re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r'\1', signature or '')
-    return plain.replace('<factory>', '...') or None, returns
+    """Return a signature in which Sphinx finds its types, also of a dataclass's made defaults."""
+    return signature and signature.replace('<factory>', '...'), returns
 
 
 class House(Directive):
