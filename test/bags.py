@@ -31,13 +31,13 @@ ONE, NONE = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 Sent = tuple[str, str, int, bytes]  # topic, type, time (ns), CDR
 
 
-def contents(bag: Path) -> list[Sent]:
+def read_messages(bag: Path) -> list[Sent]:
     """Return all messages of a bag."""
     with AnyReader([bag], default_typestore=STORE) as reader:
         return [(c.topic, c.msgtype, t, bytes(data)) for c, t, data in reader.messages()]
 
 
-def write(
+def write_bag(
     bag: Path, sent: Sequence[Sent], plugin: StoragePlugin = MCAP, compress: str = ''
 ) -> Path:
     """Write a bag."""
@@ -66,7 +66,7 @@ def joint_state(k: int, names: Sequence[str] = NAMES, **fields: Any) -> Sent:
     )
 
 
-def note(k: int) -> Sent:
+def text_note(k: int) -> Sent:
     """Return a message that has nothing to do with joints."""
     text = STORE.types['std_msgs/msg/String'](data=f'note {k}')
     data = bytes(STORE.serialize_cdr(text, 'std_msgs/msg/String'))
@@ -79,7 +79,7 @@ def odd_motion() -> list[Sent]:
     for k in range(40):
         velocity = [0.1 * k, 0.2, 0.3] if k % 3 else []
         sent.append(joint_state(k, velocity=velocity))
-        sent.append(note(k))
+        sent.append(text_note(k))
     sent[4] = joint_state(2, ('flexion',))
     sent[6] = joint_state(3, position=[0.1, math.nan, 0.2])
     sent[8] = joint_state(4, position=[0.1, 90.0, 0.2])
@@ -90,7 +90,7 @@ def odd_motion() -> list[Sent]:
     return sent
 
 
-def rows(path: Path) -> tuple[dict[str, str], list[str], np.ndarray]:
+def read_csv(path: Path) -> tuple[dict[str, str], list[str], np.ndarray]:
     """Return the facts, the names of the columns and the numbers of a CSV output."""
     lines = path.read_text().splitlines()
     facts = dict(line[2:].split(': ', 1) for line in lines if line.startswith('#'))
@@ -99,7 +99,7 @@ def rows(path: Path) -> tuple[dict[str, str], list[str], np.ndarray]:
     return facts, table[0], np.array(values)
 
 
-def refused(capsys: pytest.CaptureFixture[str], *command: str) -> str:
+def refusal_line(capsys: pytest.CaptureFixture[str], *command: str) -> str:
     """Return the one line on stderr of a command that ends with 1."""
     status = exit_status(command)
     error = capsys.readouterr().err
@@ -129,7 +129,7 @@ class Kept:
         self.got.append(bytes(serialize_message(message)))
 
 
-def node_says(sent: Sequence[Sent], **parameters: Any) -> dict[str, list[bytes]]:
+def node_answers(sent: Sequence[Sent], **parameters: Any) -> dict[str, list[bytes]]:
     """Return what the node answers to the joint states, topic by topic."""
     from rclpy.parameter import Parameter
 
@@ -146,7 +146,7 @@ def node_says(sent: Sequence[Sent], **parameters: Any) -> dict[str, list[bytes]]
     return {name: each.got for name, each in kept.items()}
 
 
-def numbers(message: Any) -> list[float]:
+def answer_numbers(message: Any) -> list[float]:
     """Return the numbers of an answer."""
     if isinstance(message, JointState):
         return [*message.position, *message.velocity]

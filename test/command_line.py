@@ -12,7 +12,7 @@ from linkedplane_ros.commands.main import main
 PROGRAM = [sys.executable, '-m', 'linkedplane_ros.commands']
 
 
-def said(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
+def command_output(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
     """Return what a command that must do its work prints."""
     assert main([str(argument) for argument in arguments]) == 0
     out, err = capsys.readouterr()
@@ -20,7 +20,7 @@ def said(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
     return out
 
 
-def fault(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
+def command_fault(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
     """Return the one line of a command whose input is at fault."""
     assert main([str(argument) for argument in arguments]) == 1
     out, err = capsys.readouterr()

@@ -27,7 +27,7 @@ def random_poses(count: int, seed: int) -> Array:
     return np.array([convention.rotation(q) for q in np.radians(angles)])
 
 
-def of_bands(count: int, curve: BroadMuscle = DELTOID) -> BroadMuscle:
+def deltoid_with_bands(count: int, curve: BroadMuscle = DELTOID) -> BroadMuscle:
     """Return the deltoid with another number of bands, its arrays interpolated along it."""
     s, old = np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, len(curve.band_names))
 
@@ -72,7 +72,7 @@ def random_muscle(seed: int) -> tuple[BroadMuscle, Array]:
 MIXED = ('ground', 'moving', 'humerus', 'moving', 'humerus', 'ground')
 
 
-def framed(seed: int, frame: str) -> tuple[BroadMuscle, Array]:
+def random_muscle_in_frames(seed: int, frame: str) -> tuple[BroadMuscle, Array]:
     """Return a muscle thrown together, its spheres in a frame or (mixed) in all, and rotations."""
     muscle, rotations = random_muscle(seed)
     if frame == 'moving':

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_line import fault, said
+from command_line import command_fault, command_output
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
 
@@ -35,8 +35,8 @@ def rows(text: str) -> dict[str, list[str]]:
 def test_info_shows_every_band_with_its_ends_its_sphere_and_its_length(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    text = said(capsys, 'info')
-    assert said(capsys, 'info', 'deltoid') == text
+    text = command_output(capsys, 'info')
+    assert command_output(capsys, 'info', 'deltoid') == text
     assert text.startswith('deltoid: 9 bands, 3 heads\n')
     assert DELTOID.source in text
     state = RIGHT.solve(np.eye(3))
@@ -62,7 +62,7 @@ def test_info_shows_every_band_with_its_ends_its_sphere_and_its_length(
 def test_info_takes_a_model_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / 'mine.yaml'
     path.write_text(MODEL.replace('name: deltoid', 'name: mine'))
-    assert said(capsys, 'info', path).startswith('mine: 9 bands, 3 heads\n')
+    assert command_output(capsys, 'info', path).startswith('mine: 9 bands, 3 heads\n')
 
 
 @pytest.mark.parametrize('side', ['right', 'left'])
@@ -71,7 +71,9 @@ def test_json_holds_what_the_solver_gives_to_the_bit(
     capsys: pytest.CaptureFixture[str], convention: str, side: str
 ) -> None:
     angles = (0.3, 0.8, -0.2)
-    text = said(capsys, 'solve', '--json', '--side', side, '--convention', convention, *angles)
+    text = command_output(
+        capsys, 'solve', '--json', '--side', side, '--convention', convention, *angles
+    )
     state, arms = solved(convention, angles, side)
     assert json.loads(text) == {
         'muscle': 'deltoid',
@@ -89,7 +91,7 @@ def test_json_holds_what_the_solver_gives_to_the_bit(
 
 
 def test_the_table_holds_what_the_solver_gives_in_mm(capsys: pytest.CaptureFixture[str]) -> None:
-    text = said(capsys, 'solve', '--convention', THESIS, '0.3', '0.8', '-0.2')
+    text = command_output(capsys, 'solve', '--convention', THESIS, '0.3', '0.8', '-0.2')
     state, arms = solved(THESIS, (0.3, 0.8, -0.2))
     for i, (length, *moment_arms, wrap) in enumerate(rows(text).values()):
         assert float(length) == pytest.approx(1e3 * state.lengths[i], abs=1.01 * SHOWN)
@@ -103,7 +105,9 @@ def test_the_table_holds_what_the_solver_gives_in_mm(capsys: pytest.CaptureFixtu
 
 
 def test_degrees_are_turned_into_radians(capsys: pytest.CaptureFixture[str]) -> None:
-    text = said(capsys, 'solve', '--json', '--degrees', '--convention', THESIS, '10', '90', '-20')
+    text = command_output(
+        capsys, 'solve', '--json', '--degrees', '--convention', THESIS, '10', '90', '-20'
+    )
     answer = json.loads(text)
     angles = tuple(np.radians((10.0, 90.0, -20.0)).tolist())
     assert answer['angles_rad'] == pytest.approx(angles, abs=1e-15)
@@ -116,7 +120,7 @@ def test_the_left_shoulder_has_the_moment_arms_of_the_right(
 ) -> None:
     right, left = (
         json.loads(
-            said(capsys, 'solve', '--json', '--side', side, '--convention', convention,
+            command_output(capsys, 'solve', '--json', '--side', side, '--convention', convention,
                  '0.3', '0.8', '-0.2')
         )
         for side in ('right', 'left')
@@ -130,7 +134,7 @@ def test_the_left_shoulder_has_the_moment_arms_of_the_right(
 def test_an_angle_may_be_written_in_any_usual_way(
     capsys: pytest.CaptureFixture[str], angle: str
 ) -> None:
-    text = said(capsys, 'solve', '--json', '--convention', THESIS, angle, '0', angle)
+    text = command_output(capsys, 'solve', '--json', '--convention', THESIS, angle, '0', angle)
     assert json.loads(text)['angles_rad'] == [float(angle), 0.0, float(angle)]
 
 
@@ -148,4 +152,4 @@ def test_an_angle_may_be_written_in_any_usual_way(
 def test_angles_that_are_none_are_refused_in_one_line(
     capsys: pytest.CaptureFixture[str], angles: tuple[str, ...], reason: str
 ) -> None:
-    assert reason in fault(capsys, 'solve', '--convention', THESIS, *angles)
+    assert reason in command_fault(capsys, 'solve', '--convention', THESIS, *angles)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import PROGRAM, fault
+from command_line import PROGRAM, command_fault
 
 import linkedplane_ros
 from linkedplane_ros.commands.main import COMMANDS, build_parser, main
@@ -34,7 +34,7 @@ def test_a_model_that_is_no_good_is_refused_in_one_line(
         path.write_text(content)
     pose = ('solve', '--convention', THESIS, 0, 0, 0, '--muscle')
     for command in (('info',), pose):
-        line = fault(capsys, *command, path)
+        line = command_fault(capsys, *command, path)
         assert str(path) in line
         assert reason in line
 
@@ -42,7 +42,7 @@ def test_a_model_that_is_no_good_is_refused_in_one_line(
 def test_a_name_that_is_no_model_is_refused_with_those_there_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    line = fault(capsys, 'info', 'biceps')
+    line = command_fault(capsys, 'info', 'biceps')
     known = 'deltoid, deltoid_ackland2008, example_humerus_spheres, example_shared_sphere'
     assert f"'biceps' is neither a bundled model ({known}) nor a path to a .yaml file" in line
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bags import NAMES, exit_status, odd_motion, write
+from bags import NAMES, exit_status, odd_motion, write_bag
 from optional import requires
 from plotted import ONE_HEAD
 
@@ -120,7 +120,7 @@ def test_matplotlib_is_loaded_with_a_figure_and_its_windows_and_ros_never(tmp_pa
 def test_every_kind_of_output_is_plotted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
-    source = write(tmp_path / 'in', odd_motion())
+    source = write_bag(tmp_path / 'in', odd_motion())
     assert exit_status([str(source), str(tmp_path / name), '--side', 'left']) == 0
     capsys.readouterr()
     assert main(['plot', str(tmp_path / name), '--svg']) == 0
@@ -135,7 +135,7 @@ def test_what_is_no_output_is_not_plotted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / 'other.csv').write_text('time,a\n0,1\n')
-    bag = write(tmp_path / 'in', odd_motion())
+    bag = write_bag(tmp_path / 'in', odd_motion())
     monkeypatch.chdir(tmp_path)
     for path in (tmp_path / 'other.csv', bag, tmp_path / 'nowhere.csv', '.'):
         assert main(['plot', str(path)]) == 1
@@ -145,7 +145,7 @@ def test_what_is_no_output_is_not_plotted(
 
 
 def test_a_bag_is_drawn_as_it_stands(tmp_path: Path) -> None:
-    source = write(tmp_path / 'in', odd_motion())
+    source = write_bag(tmp_path / 'in', odd_motion())
     options = ['--signs', '1', '-1', '1', '--offsets', '0.1', '0', '0', '--side', 'left']
     for name in ('out', 'out.csv'):
         assert exit_status([str(source), str(tmp_path / name), *options]) == 0

@@ -31,7 +31,7 @@ Array = np.ndarray
 
 
 @pytest.fixture(scope='module')
-def made() -> dict[str, Figure]:
+def sweep_figures() -> dict[str, Figure]:
     """Return the figures of the sweep."""
     return figures(SWEEP)
 
@@ -71,13 +71,13 @@ def texts(figure: Figure) -> list[str]:
 
 
 def test_there_is_a_figure_over_time_and_one_against_each_coordinate(
-    made: dict[str, Figure],
+    sweep_figures: dict[str, Figure],
 ) -> None:
-    assert list(made) == ['over_time', *(f'against_{name}' for name in ISB.coordinates)]
+    assert list(sweep_figures) == ['over_time', *(f'against_{name}' for name in ISB.coordinates)]
 
 
-def test_each_head_has_a_column_named_by_its_legend(made: dict[str, Figure]) -> None:
-    for figure in made.values():
+def test_each_head_has_a_column_named_by_its_legend(sweep_figures: dict[str, Figure]) -> None:
+    for figure in sweep_figures.values():
         assert panels(figure).shape == (ROWS, len(DELTOID.heads))
         for axes, head in zip(panels(figure)[0], DELTOID.heads, strict=True):
             legend = axes.get_legend()
@@ -85,19 +85,21 @@ def test_each_head_has_a_column_named_by_its_legend(made: dict[str, Figure]) -> 
             assert tuple(text.get_text() for text in legend.get_texts()) == head.bands
 
 
-def test_the_axes_are_named_with_their_units(made: dict[str, Figure]) -> None:
+def test_the_axes_are_named_with_their_units(sweep_figures: dict[str, Figure]) -> None:
     arms = [f'moment arm (mm)\nabout {name}' for name in ISB.coordinates]
     across = ['time (s)', *(f'{name} (deg)' for name in ISB.coordinates)]
-    for figure, x in zip(made.values(), across, strict=True):
+    for figure, x in zip(sweep_figures.values(), across, strict=True):
         rows = [axes.get_ylabel() for axes in panels(figure)[:, 0]]
         assert rows == ['length (mm)', *arms, 'wrap state']
         assert [axes.get_xlabel() for axes in panels(figure)[-1]] == [x] * len(DELTOID.heads)
 
 
-def test_the_lines_are_the_given_numbers_in_mm_over_s_and_deg(made: dict[str, Figure]) -> None:
+def test_the_lines_are_the_given_numbers_in_mm_over_s_and_deg(
+    sweep_figures: dict[str, Figure],
+) -> None:
     across = [SWEEP.times, *np.degrees(SWEEP.angles).T]
     down = [SWEEP.lengths, *np.moveaxis(SWEEP.arms, 2, 0)]
-    for figure, x in zip(made.values(), across, strict=True):
+    for figure, x in zip(sweep_figures.values(), across, strict=True):
         for column, head in enumerate(DELTOID.heads):
             for axes, quantity in zip(panels(figure)[:-1, column], down, strict=True):
                 for band in head.bands:
@@ -106,23 +108,25 @@ def test_the_lines_are_the_given_numbers_in_mm_over_s_and_deg(made: dict[str, Fi
                     assert band_line(axes, band)[1] == pytest.approx(given, abs=EXACT)
 
 
-def test_rows_share_their_scale_and_all_panels_share_x(made: dict[str, Figure]) -> None:
-    for figure in made.values():
+def test_rows_share_their_scale_and_all_panels_share_x(sweep_figures: dict[str, Figure]) -> None:
+    for figure in sweep_figures.values():
         assert len({axes.get_xlim() for axes in panels(figure).flat}) == 1
         assert all(len({axes.get_ylim() for axes in row}) == 1 for row in panels(figure))
 
 
 def test_the_title_and_the_sign_of_a_moment_arm_stand_in_each_figure_once(
-    made: dict[str, Figure],
+    sweep_figures: dict[str, Figure],
 ) -> None:
     sign = "shortening turns the joint in the coordinate's positive direction"
-    for figure in made.values():
+    for figure in sweep_figures.values():
         assert texts(figure).count(SWEEP.title) == 1
         assert sum(sign in text for text in texts(figure)) == 1
 
 
-def test_the_bands_of_a_head_differ_in_grey_and_in_line_style(made: dict[str, Figure]) -> None:
-    for figure in made.values():
+def test_the_bands_of_a_head_differ_in_grey_and_in_line_style(
+    sweep_figures: dict[str, Figure],
+) -> None:
+    for figure in sweep_figures.values():
         for axes, head in zip(panels(figure)[1], DELTOID.heads, strict=True):
             lines = [line for line in axes.lines if line.get_label() in head.bands]
             greys = sorted(grey(line.get_color()) for line in lines)
@@ -143,20 +147,22 @@ def test_a_band_alone_is_dark_enough_for_paper_whatever_its_colour() -> None:
     assert all(grey(shades(colour, 1)[0]) < 0.5 for colour in HEAD_COLOURS)
 
 
-def test_the_wrap_states_have_a_legend_and_differ_in_grey(made: dict[str, Figure]) -> None:
+def test_the_wrap_states_have_a_legend_and_differ_in_grey(sweep_figures: dict[str, Figure]) -> None:
     assert list(STATE_GREYS) == [state.name.lower() for state in WrapState]
     assert -np.diff([*STATE_GREYS.values()]).max() > VISIBLE
-    for figure in made.values():
+    for figure in sweep_figures.values():
         (legend,) = figure.legends
         assert [text.get_text() for text in legend.get_texts()] == list(STATE_GREYS)
         shown = [grey(patch.get_facecolor()) for patch in legend.get_patches()]
         assert shown == pytest.approx(list(STATE_GREYS.values()))
 
 
-def test_each_band_has_a_named_strip_of_its_wrap_states_over_time(made: dict[str, Figure]) -> None:
+def test_each_band_has_a_named_strip_of_its_wrap_states_over_time(
+    sweep_figures: dict[str, Figure],
+) -> None:
     cell = SWEEP.times[-1] / 1000
     middles = SWEEP.times[:-1] + 0.01  # between a frame and the next
-    for axes, head in zip(panels(made['over_time'])[-1], DELTOID.heads, strict=True):
+    for axes, head in zip(panels(sweep_figures['over_time'])[-1], DELTOID.heads, strict=True):
         assert tuple(text.get_text() for text in axes.texts) == head.bands
         for lane, band in enumerate(head.bands):
             wrap = SWEEP.wrap[:-1, DELTOID.band_names.index(band)]

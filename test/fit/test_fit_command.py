@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import PROGRAM, fault, said
+from command_line import PROGRAM, command_fault, command_output
 from fits import QUICK_OPTIONS
 from optional import requires
 
@@ -23,7 +23,7 @@ DELTOID = BroadMuscle.load('deltoid')
 def test_a_fit_leaves_a_model_a_report_and_a_picture(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out = said(capsys, *task, *QUICK_OPTIONS)
+    out = command_output(capsys, *task, *QUICK_OPTIONS)
     assert '26 parameters, 78 rows (angles as they stand): criterion 459.91 -> ' in out
     fitted = BroadMuscle.load(tmp_path / 'fitted.yaml')
     assert fitted.name == 'fitted'
@@ -46,7 +46,7 @@ def test_the_same_seed_writes_the_same_files(
 ) -> None:
     files = []
     for _ in range(2):
-        said(capsys, *task, '--every', '40', *QUICK_OPTIONS, '--polish', '2', '--force')
+        command_output(capsys, *task, '--every', '40', *QUICK_OPTIONS, '--polish', '2', '--force')
         files.append([(tmp_path / f'fitted.{kind}').read_bytes() for kind in ('yaml', 'png')])
     assert files[0] == files[1]
 
@@ -56,7 +56,7 @@ def test_a_fit_that_was_interrupted_is_taken_up(
 ) -> None:
     options = ['--every', '20', '--particles', '6', '--generations', '60', '--polish', '0']
     straight = tmp_path / 'straight.yaml'
-    said(capsys, *task[:-1], straight, *options, '--name', 'fitted')
+    command_output(capsys, *task[:-1], straight, *options, '--name', 'fitted')
     stopped = subprocess.Popen([*PROGRAM, *task, *options], stderr=subprocess.PIPE, text=True)
     checkpoint = tmp_path / 'fitted.checkpoint'
     while not checkpoint.exists() and stopped.poll() is None:
@@ -65,8 +65,8 @@ def test_a_fit_that_was_interrupted_is_taken_up(
     _, err = stopped.communicate(timeout=60)
     assert stopped.returncode == 130, err
     assert err == f'linkedplane: stopped; {checkpoint} is there for --resume\n'
-    assert '--resume goes on, --force begins anew' in fault(capsys, *task, *options)
-    said(capsys, *task, *options, '--resume', '--jobs', '2')
+    assert '--resume goes on, --force begins anew' in command_fault(capsys, *task, *options)
+    command_output(capsys, *task, *options, '--resume', '--jobs', '2')
     assert (tmp_path / 'fitted.yaml').read_text() == straight.read_text()
     assert not checkpoint.exists()
 
@@ -84,7 +84,7 @@ def test_a_fit_that_was_interrupted_is_taken_up(
 def test_what_cannot_be_fitted_is_told_in_one_line(
     task: list[str], more: list[str], said_of_it: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert said_of_it in fault(capsys, *task, *more)
+    assert said_of_it in command_fault(capsys, *task, *more)
 
 
 def test_there_is_nothing_to_tighten_without_bones(
@@ -97,15 +97,17 @@ def test_there_is_nothing_to_tighten_without_bones(
         interference_radii=np.empty(0),
     )
     boneless.to_yaml(task[1])
-    assert 'tighten: deltoid has no interference spheres' in fault(capsys, *task, '--tighten', '4')
-    report = said(capsys, *task, *QUICK_OPTIONS, '--polish', '2', '--over', 'range')
+    assert 'tighten: deltoid has no interference spheres' in command_fault(
+        capsys, *task, '--tighten', '4'
+    )
+    report = command_output(capsys, *task, *QUICK_OPTIONS, '--polish', '2', '--over', 'range')
     assert ' 0 bands enter a sphere' in report
 
 
 def test_a_fit_that_tightens_draws_the_trade_off(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said(
+    command_output(
         capsys,
         *task,
         *QUICK_OPTIONS,
@@ -128,17 +130,17 @@ def test_nothing_is_replaced_unasked(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / 'fitted.yaml').write_text('mine')
-    assert 'fitted.yaml: is there already; --force replaces it' in fault(capsys, *task)
+    assert 'fitted.yaml: is there already; --force replaces it' in command_fault(capsys, *task)
     assert (tmp_path / 'fitted.yaml').read_text() == 'mine'
-    assert 'ends in .yaml' in fault(capsys, *task[:-1], tmp_path / 'fitted.txt')
+    assert 'ends in .yaml' in command_fault(capsys, *task[:-1], tmp_path / 'fitted.txt')
 
 
 def test_a_name_that_no_model_can_have_is_told_before_the_fit(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said_of_it = fault(capsys, *task[:-1], tmp_path / '2nd.yaml')
+    said_of_it = command_fault(capsys, *task[:-1], tmp_path / '2nd.yaml')
     assert "2nd.yaml: name: '2nd' given; a letter, then letters" in said_of_it
-    said(
+    command_output(
         capsys, *task[:-1], tmp_path / '2nd.yaml', *QUICK_OPTIONS, '--polish', 2, '--name', 'second'
     )
     assert BroadMuscle.load(tmp_path / '2nd.yaml').name == 'second'
@@ -148,7 +150,7 @@ def test_a_fault_of_the_data_names_file_and_line(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path(task[2]).write_text('motion,angle_deg,head,length_mm\nflexion,10,biceps,150\n')
-    assert "data.csv:2: 'biceps' is neither a head of deltoid" in fault(capsys, *task)
+    assert "data.csv:2: 'biceps' is neither a head of deltoid" in command_fault(capsys, *task)
 
 
 @pytest.mark.parametrize('option', ['--weights mass=1', '--particles 1', '--seed -1'])

@@ -38,7 +38,9 @@ def laid_out(state: MuscleState) -> list[Array]:
     return ways
 
 
-def of(data: Data, weights: Weights, more: Array | None = None) -> tuple[Criterion, Space]:
+def criterion_of(
+    data: Data, weights: Weights, more: Array | None = None
+) -> tuple[Criterion, Space]:
     parameters = space(DELTOID.definition)
     return Criterion.of(DELTOID, parameters, data, weights, more), parameters
 
@@ -117,7 +119,7 @@ def test_the_criterion_is_its_definition(seed: int) -> None:
         length=0.7, arm=1.3, interference=0.4, order=0.6, jumps=0.5, clearance=1e-3, arm_scale=0.5
     )
     more = random_poses(6, seed)
-    criterion, parameters = of(data, weights, more)
+    criterion, parameters = criterion_of(data, weights, more)
     x = with_spheres_moved(parameters, seed)
     muscle = DELTOID.with_coefficients(parameters.coefficients(x))
     expected = in_words(muscle, data, weights, more)
@@ -129,7 +131,9 @@ def test_the_criterion_is_its_definition(seed: int) -> None:
 
 
 def test_the_criterion_is_the_sum_of_the_squared_residuals() -> None:
-    criterion, parameters = of(simulated(DELTOID, off=0.01), Weights(order=1.0), random_poses(5, 0))
+    criterion, parameters = criterion_of(
+        simulated(DELTOID, off=0.01), Weights(order=1.0), random_poses(5, 0)
+    )
     x = with_spheres_moved(parameters, 1)
     residuals = criterion.residuals(x)
     assert not isinstance(residuals, float)
@@ -137,13 +141,13 @@ def test_the_criterion_is_the_sum_of_the_squared_residuals() -> None:
 
 
 def test_a_model_fits_what_it_has_simulated() -> None:
-    criterion, parameters = of(simulated(DELTOID), Weights(interference=0.0))
+    criterion, parameters = criterion_of(simulated(DELTOID), Weights(interference=0.0))
     assert criterion.value(parameters.start) < 1e-16  # mm^2: rounding
 
 
 def test_the_kernel_solves_as_the_solver_does() -> None:
     more = random_poses(200, 3)
-    criterion, parameters = of(simulated(DELTOID), Weights(), more)
+    criterion, parameters = criterion_of(simulated(DELTOID), Weights(), more)
     found, expected = criterion.states(parameters.start), SOLVER.solve_batch(criterion.rotations)
     assert isinstance(found, States)
     k = criterion.measured
@@ -154,7 +158,7 @@ def test_the_kernel_solves_as_the_solver_does() -> None:
 
 
 def test_a_muscle_without_paths_is_worse_the_farther_it_is_from_having_one() -> None:
-    criterion, parameters = of(simulated(DELTOID), Weights())
+    criterion, parameters = criterion_of(simulated(DELTOID), Weights())
     radii = [p.name.startswith('sphere.radius') for p in parameters.parameters]
     values = []
     for more in (80.0, 120.0):  # mm: the origins lie in their spheres, in whatever pose

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import PROGRAM, fault, said
+from command_line import PROGRAM, command_fault, command_output
 from fits import QUICK_OPTIONS, simulated, write_data
 from optional import requires
 
@@ -41,7 +41,7 @@ def test_the_reports_figures_are_those_of_the_models(
     task: list[str],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    said(capsys, *task, *SHORT)
+    command_output(capsys, *task, *SHORT)
     start, fitted = (deviations(Path(task[k]), Path(task[2])) for k in (1, 3))
     report = (tmp_path / 'fitted.md').read_text(encoding='utf-8').partition('| moment arm, mm |')[2]
     for (part, motion), after in fitted.items():
@@ -62,7 +62,9 @@ def test_any_muscle_is_fitted(
     muscle = BroadMuscle.load(name)
     parts = tuple(head.name for head in muscle.heads)
     data = write_data(tmp_path, simulated(muscle, parts, off=1e-3))
-    out = said(capsys, 'fit', name, data, tmp_path / 'fitted.yaml', *SHORT, '--polish', 20)
+    out = command_output(
+        capsys, 'fit', name, data, tmp_path / 'fitted.yaml', *SHORT, '--polish', 20
+    )
     before, after = (
         float(out.split(sep)[1].split()[0].replace(',', '')) for sep in ('criterion', '->')
     )
@@ -84,7 +86,7 @@ def test_a_muscle_of_one_band_is_fitted(tmp_path: Path, capsys: pytest.CaptureFi
     )
     one.to_yaml(tmp_path / 'one.yaml')
     data = write_data(tmp_path, simulated(one, ('anterior',), off=1e-3))
-    said(capsys, 'fit', tmp_path / 'one.yaml', data, tmp_path / 'fitted.yaml', *SHORT)
+    command_output(capsys, 'fit', tmp_path / 'one.yaml', data, tmp_path / 'fitted.yaml', *SHORT)
     report = (tmp_path / 'fitted.md').read_text(encoding='utf-8')
     assert 'inf' not in report
     assert 'behind the one before' not in report
@@ -120,7 +122,7 @@ def test_nothing_that_is_there_is_replaced_unasked(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / name).write_text('mine')
-    assert f'{name}: is there already; --force replaces it' in fault(capsys, *task)
+    assert f'{name}: is there already; --force replaces it' in command_fault(capsys, *task)
     assert (tmp_path / name).read_text() == 'mine'
 
 
@@ -130,7 +132,7 @@ def test_the_measurements_are_not_replaced_even_by_force(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     data = Path(task[2]).rename(tmp_path / 'fitted.yaml')
-    line = fault(capsys, task[0], task[1], data, data, *SHORT, '--force')
+    line = command_fault(capsys, task[0], task[1], data, data, *SHORT, '--force')
     assert 'fitted.yaml: holds the measurements; another name expected' in line
 
 
@@ -140,9 +142,9 @@ def test_a_place_that_cannot_be_written_to_is_told_before_the_search(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / 'fitted.md').mkdir()
-    assert 'fitted.md: a folder; a file is to be written there' in fault(capsys, *task)
+    assert 'fitted.md: a folder; a file is to be written there' in command_fault(capsys, *task)
     nowhere = tmp_path / 'nowhere' / 'fitted.yaml'
-    assert 'fitted.yaml: no folder ' in fault(capsys, *task[:3], nowhere)
+    assert 'fitted.yaml: no folder ' in command_fault(capsys, *task[:3], nowhere)
 
 
 def test_a_start_without_a_path_is_told_before_the_search(
@@ -152,7 +154,7 @@ def test_a_start_without_a_path_is_told_before_the_search(
 ) -> None:
     radius = DELTOID.coefficients['sphere.radius[4]']
     DELTOID.with_coefficients({'sphere.radius[4]': radius + 60.0}).to_yaml(task[1])
-    assert 'start.yaml: a band has no path anywhere' in fault(capsys, *task)
+    assert 'start.yaml: a band has no path anywhere' in command_fault(capsys, *task)
 
 
 def test_the_command_of_the_report_does_it_again(
@@ -161,7 +163,7 @@ def test_the_command_of_the_report_does_it_again(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / 'fitted.md').write_text('old')
-    said(capsys, *task, *SHORT, '--force')
+    command_output(capsys, *task, *SHORT, '--force')
     second = (tmp_path / 'fitted.md').read_text(encoding='utf-8').splitlines()[2]
     words = ' '.join(map(str, (*task, *SHORT)))
     assert second == f'`linkedplane {words}`'

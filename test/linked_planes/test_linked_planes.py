@@ -5,7 +5,7 @@ import pytest
 import reference
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from random_muscles import LEAST, SAME, of_bands, random_muscle, random_poses
+from random_muscles import LEAST, SAME, deltoid_with_bands, random_muscle, random_poses
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
@@ -91,7 +91,7 @@ def test_the_answer_does_not_depend_on_what_was_solved_before() -> None:
 
 @pytest.mark.parametrize('count', [1, 2, 9, 40])
 def test_any_number_of_bands_is_solved(count: int) -> None:
-    muscle = of_bands(count)
+    muscle = deltoid_with_bands(count)
     batch = LinkedPlaneSolver(muscle).solve_batch(POSES[:20])
     assert batch.lengths.shape == (20, count)
     scan = reference.total_at(muscle, POSES[:20, np.newaxis], reference.circle(720)).min(axis=1)

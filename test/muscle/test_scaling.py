@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from random_muscles import framed
+from random_muscles import random_muscle_in_frames
 from varied_muscles import every_variation
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, ModelError
@@ -28,7 +28,8 @@ FACTORS = np.array((1.1, 0.9, 1.3))
 def variations() -> dict[str, BroadMuscle]:
     """Return a muscle with its spheres in each frame."""
     return {'deltoid': DELTOID, 'all': BroadMuscle.from_definition(every_variation())} | {
-        frame: framed(4, frame)[0] for frame in ('moving', 'ground', 'humerus', 'mixed')
+        frame: random_muscle_in_frames(4, frame)[0]
+        for frame in ('moving', 'ground', 'humerus', 'mixed')
     }
 
 
@@ -86,7 +87,7 @@ def test_points_scale_along_the_axes_of_their_bone() -> None:
 
 @pytest.mark.parametrize('frame', ['ground', 'humerus'])
 def test_a_sphere_on_a_bone_goes_along_and_stays_a_sphere(frame: str) -> None:
-    muscle, _ = framed(4, frame)
+    muscle, _ = random_muscle_in_frames(4, frame)
     other = (1.0, 1.0, 1.0)
     scaled = muscle.scaled((*FACTORS, *other) if frame == 'ground' else (*other, *FACTORS))
     np.testing.assert_allclose(scaled.sphere_centres, muscle.sphere_centres * FACTORS, rtol=1e-14)

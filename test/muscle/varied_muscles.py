@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from random_muscles import of_bands, random_muscle
+from random_muscles import deltoid_with_bands, random_muscle
 
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.muscle.definition import Definition
@@ -38,7 +38,7 @@ def every_variation() -> Definition:
 MUSCLES: dict[str, Callable[[], BroadMuscle]] = {
     **{name: lambda name=name: BroadMuscle.load(name) for name in bundled_models()},
     'from arrays': lambda: random_muscle(3)[0],
-    'of 40 bands': lambda: of_bands(40),
+    'of 40 bands': lambda: deltoid_with_bands(40),
     'every variation': lambda: BroadMuscle.from_definition(every_variation()),
     'lists for tuples': lambda: replace(DELTOID, sphere_frame=['humerus', 'ground', 'moving'] * 3),
     'spheres on the ground': lambda: replace(DELTOID, sphere_frame='ground'),

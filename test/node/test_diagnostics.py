@@ -32,7 +32,7 @@ NAMES = ('flexion', 'abduction', 'rotation')
 NOW = 1000.0  # s
 
 
-def heard(*, answered: int = 0, rejected: int = 0, age: float = 0.1) -> Tally:
+def tally_of(*, answered: int = 0, rejected: int = 0, age: float = 0.1) -> Tally:
     """Return a tally that has heard so many messages, the last `age` s ago."""
     tally = Tally(received=answered + rejected, answered=answered, last_arrival=NOW - age)
     tally.rejected['degrees'] = rejected
@@ -41,7 +41,7 @@ def heard(*, answered: int = 0, rejected: int = 0, age: float = 0.1) -> Tally:
     return tally
 
 
-def told(tally: Tally) -> dict[str, str]:
+def reported_values(tally: Tally) -> dict[str, str]:
     """Return the values of a status."""
     told = build_status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
     return {item.key: item.value for item in told.values}
@@ -52,18 +52,18 @@ def test_without_input_the_level_is_stale() -> None:
 
 
 def test_input_that_has_ended_is_stale() -> None:
-    level, line = heard(answered=5, age=7.5).assess(NOW)
+    level, line = tally_of(answered=5, age=7.5).assess(NOW)
     assert level == STALE
     assert '7.5 s' in line
-    assert heard(answered=5, age=STALE_AFTER).assess(NOW)[0] == OK
+    assert tally_of(answered=5, age=STALE_AFTER).assess(NOW)[0] == OK
 
 
 def test_answered_input_is_ok() -> None:
-    assert heard(answered=5).assess(NOW)[0] == OK
+    assert tally_of(answered=5).assess(NOW)[0] == OK
 
 
 def test_input_of_which_nothing_was_usable_is_an_error_that_says_why() -> None:
-    tally = heard(rejected=3)
+    tally = tally_of(rejected=3)
     for _ in range(2):
         level, line = tally.assess(NOW)
         assert level == ERROR
@@ -71,7 +71,7 @@ def test_input_of_which_nothing_was_usable_is_an_error_that_says_why() -> None:
 
 
 def test_rejected_input_warns_once_and_says_why() -> None:
-    tally = heard(answered=5, rejected=2)
+    tally = tally_of(answered=5, rejected=2)
     level, line = tally.assess(NOW)
     assert level == WARN
     assert line.startswith('2 rejected')
@@ -85,7 +85,7 @@ def test_rejected_input_warns_once_and_says_why() -> None:
 
 
 def test_near_the_singularity_the_line_says_so_and_the_level_stays() -> None:
-    tally = heard(answered=5)
+    tally = tally_of(answered=5)
     tally.near_singular = 3
     assert tally.assess(NOW) == (
         OK,
@@ -93,11 +93,11 @@ def test_near_the_singularity_the_line_says_so_and_the_level_stays() -> None:
         'moment vectors',
     )
     assert tally.assess(NOW) == (OK, 'answering')
-    assert told(tally)['answers near the singularity'] == '3'
+    assert reported_values(tally)['answers near the singularity'] == '3'
 
 
 def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
-    tally = heard(answered=5)
+    tally = tally_of(answered=5)
     tally.incompatible_peers = ['nothing comes from lab']
     assert tally.assess(NOW) == (WARN, 'nothing comes from lab')
     silent = Tally(incompatible_peers=['nothing comes from lab'])
@@ -105,14 +105,14 @@ def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
 
 
 def test_a_status_has_what_it_was_given_and_every_counter() -> None:
-    tally = heard(answered=5, rejected=2)
+    tally = tally_of(answered=5, rejected=2)
     made = build_status(tally, 'node: deltoid', 'deltoid, right', NOW, {'side': 'any'})
     assert (made.name, made.hardware_id, made.level) == (
         'node: deltoid',
         'deltoid, right',
         WARN,
     )
-    values = told(tally)
+    values = reported_values(tally)
     assert values['side'] == 'any'
     assert values['messages received'] == '7'
     assert values['messages answered'] == '5'
@@ -124,24 +124,24 @@ def test_a_status_has_what_it_was_given_and_every_counter() -> None:
 
 
 def test_no_key_stands_twice() -> None:
-    tally = heard(answered=1)
+    tally = tally_of(answered=1)
     tally.last_state = LinkedPlaneSolver(BroadMuscle.load('deltoid')).solve(np.eye(3))
     keys = [item.key for item in build_status(tally, 'n', 'h', NOW, {}).values]
     assert len(set(keys)) == len(keys)
 
 
 def test_before_the_first_answer_there_are_no_times() -> None:
-    values = told(Tally())
+    values = reported_values(Tally())
     assert values['input age (s)'] == 'none'
     assert values['solve time mean (ms)'] == 'none'
     assert 'theta (rad)' not in values
 
 
 def test_times_are_mean_99th_percentile_and_worst_in_ms() -> None:
-    tally = heard(answered=100)
+    tally = tally_of(answered=100)
     tally.solve_times.extend(k * 1e-3 for k in range(101))
     tally.callback_times.append(0.25)
-    values = told(tally)
+    values = reported_values(tally)
     assert [values[f'solve time {name} (ms)'] for name in ('mean', 'p99', 'worst')] == [
         '50.000',
         '99.000',
@@ -157,10 +157,10 @@ def test_times_look_back_on_the_newest_callbacks_alone() -> None:
 
 
 def test_the_last_state_is_told_as_theta_and_how_the_bands_lie() -> None:
-    tally = heard(answered=1)
+    tally = tally_of(answered=1)
     state = LinkedPlaneSolver(BroadMuscle.load('deltoid')).solve(np.eye(3))
     tally.last_state = state
-    values = told(tally)
+    values = reported_values(tally)
     assert float(values['theta (rad)']) == pytest.approx(state.theta, abs=5e-7)  # six decimals
     counts = [int(values[f'bands {wrap}']) for wrap in ('wrapped', 'clear', 'missed', 'inside')]
     assert counts == [int((state.wrap == wrap).sum()) for wrap in range(4)]

@@ -26,7 +26,7 @@ BAG = Path(__file__).parents[2] / 'msg_examples' / 'arm_raise'
 MS = 10**6  # ns
 
 
-def shown(stamps: Sequence[float], rate: float = 30.0) -> list[float]:
+def shown_stamps(stamps: Sequence[float], rate: float = 30.0) -> list[float]:
     """Return which stamps, s, are let through; arrivals are 1 ms apart."""
     pace = RateLimiter(rate)
     return [stamp for k, stamp in enumerate(stamps) if pace.allows(stamp, 0.001 * k)]
@@ -34,25 +34,25 @@ def shown(stamps: Sequence[float], rate: float = 30.0) -> list[float]:
 
 def test_the_pace_is_that_of_the_stamps() -> None:
     stamps = [0.01 * k for k in range(101)]
-    assert shown(stamps, 10.0) == pytest.approx([0.1 * k for k in range(11)])
-    assert shown([100.0 * s for s in stamps], 10.0) == [100.0 * s for s in stamps]
+    assert shown_stamps(stamps, 10.0) == pytest.approx([0.1 * k for k in range(11)])
+    assert shown_stamps([100.0 * s for s in stamps], 10.0) == [100.0 * s for s in stamps]
 
 
 def test_a_rate_of_zero_lets_everything_through() -> None:
-    assert shown([1.0, 1.0, 1.0], 0.0) == [1.0, 1.0, 1.0]
+    assert shown_stamps([1.0, 1.0, 1.0], 0.0) == [1.0, 1.0, 1.0]
 
 
 def test_a_recording_played_backwards_keeps_the_pace() -> None:
     stamps = [0.01 * k for k in reversed(range(101))]
-    assert shown(stamps, 10.0) == pytest.approx([0.1 * k for k in reversed(range(11))])
+    assert shown_stamps(stamps, 10.0) == pytest.approx([0.1 * k for k in reversed(range(11))])
 
 
 def test_a_jump_back_or_forwards_passes_at_once() -> None:
-    assert shown([100.0, 100.001, 3.0, 3.001, 500.0, 500.001]) == [100.0, 3.0, 500.0]
+    assert shown_stamps([100.0, 100.001, 3.0, 3.001, 500.0, 500.001]) == [100.0, 3.0, 500.0]
 
 
 def test_a_stamp_that_stands_still_is_let_through_by_its_arrival() -> None:
-    assert len(shown([7.0] * 1000, 10.0)) == 10
+    assert len(shown_stamps([7.0] * 1000, 10.0)) == 10
 
 
 def test_whatever_the_stamps_markers_never_stop() -> None:
@@ -60,8 +60,8 @@ def test_whatever_the_stamps_markers_never_stop() -> None:
         [0.02 * (k % 2) for k in range(3000)],
         [-1e9 + 0.02 * (k % 3) for k in range(9)],
     ):
-        assert shown(stamps, 10.0)[0] == stamps[0]
-    assert len(shown([0.3 * (k % 5) for k in range(500)], 10.0)) == 500
+        assert shown_stamps(stamps, 10.0)[0] == stamps[0]
+    assert len(shown_stamps([0.3 * (k % 5) for k in range(500)], 10.0)) == 500
 
 
 def stamps_of(peer: Peer, topic: str = 'band_states') -> list[int]:

@@ -59,3 +59,14 @@ def test_the_names_of_the_modules_are_unique() -> None:
     """Pytest imports the modules of all folders by their bare names."""
     names = Counter(path.name for path in MODULES if path.name != 'conftest.py')
     assert [name for name, count in names.items() if count > 1] == []
+
+
+def test_no_module_takes_anything_from_a_test_module() -> None:
+    taken = [
+        f'{path.name}: {node.module}'
+        for path in MODULES
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8')))
+        if isinstance(node, ast.ImportFrom)
+        and (node.module or '').startswith(('test_', 'conftest'))
+    ]
+    assert taken == []

@@ -11,14 +11,14 @@ import pytest
 from bags import (
     MCAP,
     SQLITE3,
-    contents,
     exit_status,
     joint_state,
-    note,
     odd_motion,
-    refused,
-    rows,
-    write,
+    read_csv,
+    read_messages,
+    refusal_line,
+    text_note,
+    write_bag,
 )
 from optional import requires
 from rosbags.rosbag2 import StoragePlugin
@@ -28,7 +28,7 @@ from linkedplane_ros.processing.task import Task, run_task
 
 def truncated(tmp_path: Path) -> Path:
     """Return a bag whose file ends early."""
-    bag = write(tmp_path / 'short', [joint_state(k) for k in range(4000)])
+    bag = write_bag(tmp_path / 'short', [joint_state(k) for k in range(4000)])
     data = (bag / 'short.mcap').read_bytes()
     (bag / 'short.mcap').write_bytes(data[: len(data) // 2])
     return bag
@@ -42,7 +42,10 @@ def faulty(tmp_path: Path) -> dict[str, tuple[Path, str]]:
     (tmp_path / 'all_bad.csv').write_text('time,flexion,abduction,rotation\n0,90,20,30\n')
     return {
         'truncated bag': (truncated(tmp_path), 'short'),
-        'no joint states': (write(tmp_path / 'notes', [note(k) for k in range(3)]), 'std_msgs'),
+        'no joint states': (
+            write_bag(tmp_path / 'notes', [text_note(k) for k in range(3)]),
+            'std_msgs',
+        ),
         'empty file': (tmp_path / 'empty.csv', 'empty.csv'),
         'missing column': (tmp_path / 'columns.csv', 'no column for flexion (near: flex)'),
         'no number': (tmp_path / 'cell.csv', 'cell.csv:2'),
@@ -57,7 +60,7 @@ def test_a_faulty_input_is_one_line_and_leaves_nothing_behind(
 ) -> None:
     (tmp_path / 'out').mkdir()
     for source, word in faulty(tmp_path).values():
-        line = refused(capsys, str(source), str(tmp_path / 'out' / 'x'), '--format', kind)
+        line = refusal_line(capsys, str(source), str(tmp_path / 'out' / 'x'), '--format', kind)
         assert word in line
         assert str(source) in line
         assert list((tmp_path / 'out').iterdir()) == []
@@ -71,7 +74,7 @@ def test_the_other_recordings_are_still_done(
     for _, (source, _) in faulty(tmp_path).items():
         if source.exists():
             shutil.move(source, folder / source.name)
-    good = write(folder / 'good', [joint_state(k) for k in range(9)])
+    good = write_bag(folder / 'good', [joint_state(k) for k in range(9)])
     assert exit_status([str(folder), str(tmp_path / 'out'), '--format', 'csv']) == 1
     told = capsys.readouterr()
     assert sorted(each.name for each in (tmp_path / 'out').iterdir()) == ['good.csv']
@@ -83,7 +86,7 @@ def test_the_other_recordings_are_still_done(
 def test_refused_frames_are_counted_with_their_first_place(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source = write(tmp_path / 'in', odd_motion())
+    source = write_bag(tmp_path / 'in', odd_motion())
     assert exit_status([str(source), str(tmp_path / 'out.csv')]) == 0
     told = capsys.readouterr().out
     assert '36 frames' in told
@@ -105,7 +108,7 @@ def test_frames_outside_the_models_range_are_counted(tmp_path: Path) -> None:
     'name', ['out', 'out.csv', pytest.param('out.parquet', marks=requires('pyarrow'))]
 )
 def test_a_full_disk_is_one_line(tmp_path: Path, name: str, storage: StoragePlugin) -> None:
-    source = write(tmp_path / 'in', [joint_state(k % 100) for k in range(2000)], storage)
+    source = write_bag(tmp_path / 'in', [joint_state(k % 100) for k in range(2000)], storage)
     code = (
         'import resource, signal, sys; from linkedplane_ros.commands.main import main\n'
         'signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n'
@@ -121,9 +124,9 @@ def test_a_full_disk_is_one_line(tmp_path: Path, name: str, storage: StoragePlug
 
 def test_a_bags_file_alone_becomes_an_annotated_bag(tmp_path: Path) -> None:
     sent = odd_motion()
-    source = write(tmp_path / 'in', sent) / 'in.mcap'
+    source = write_bag(tmp_path / 'in', sent) / 'in.mcap'
     assert run_task(Task(source, tmp_path / 'out')).fault == ''
-    found = contents(tmp_path / 'out')
+    found = read_messages(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent
 
 
@@ -131,7 +134,7 @@ def test_times_before_zero_keep_their_values(tmp_path: Path) -> None:
     lines = ['time,flexion,abduction,rotation', *(f'{t},0.1,0.2,0.3' for t in (-1.5, -0.4, 0.25))]
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
     run_task(Task(tmp_path / 'in.csv', tmp_path / 'out.csv'))
-    assert rows(tmp_path / 'out.csv')[2][:, 0].tolist() == [-1.5, -0.4, 0.25]
+    assert read_csv(tmp_path / 'out.csv')[2][:, 0].tolist() == [-1.5, -0.4, 0.25]
 
 
 def test_times_that_cannot_be_seconds_are_refused(
@@ -139,19 +142,19 @@ def test_times_that_cannot_be_seconds_are_refused(
 ) -> None:
     source = tmp_path / 'in.csv'
     source.write_text('timestamp,flexion,abduction,rotation\n1700000000000,0.1,0.2,0.3\n')
-    assert 'ms?' in refused(capsys, str(source), str(tmp_path / 'out.csv'))
+    assert 'ms?' in refusal_line(capsys, str(source), str(tmp_path / 'out.csv'))
 
 
 def test_a_bag_is_not_processed_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    source = write(tmp_path / 'in', odd_motion())
+    source = write_bag(tmp_path / 'in', odd_motion())
     assert exit_status([str(source), str(tmp_path / 'once')]) == 0
-    assert 'in it already' in refused(capsys, str(tmp_path / 'once'), str(tmp_path / 'twice'))
+    assert 'in it already' in refusal_line(capsys, str(tmp_path / 'once'), str(tmp_path / 'twice'))
 
 
 def test_what_cannot_be_used_does_not_keep_the_others_from_being_done(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    good = write(tmp_path / 'good', odd_motion())
+    good = write_bag(tmp_path / 'good', odd_motion())
     (tmp_path / 'empty').mkdir()
     out = tmp_path / 'out'
     named = [str(good), str(tmp_path / 'empty'), str(tmp_path / 'no*thing'), str(good) + '/*.mcap']
@@ -170,5 +173,5 @@ def test_what_cannot_be_used_does_not_keep_the_others_from_being_done(
 def test_a_bag_has_no_times_before_zero(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = tmp_path / 'in.csv'
     source.write_text('time,flexion,abduction,rotation\n-1.5,0.1,0.2,0.3\n')
-    line = refused(capsys, str(source), str(tmp_path / 'out'))
+    line = refusal_line(capsys, str(source), str(tmp_path / 'out'))
     assert 'time -1.5 s: a bag has none before 0 s' in line

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bags import NAMES, NONE, ONE, STORE, T0, Sent, joint_state, write
+from bags import NAMES, NONE, ONE, STORE, T0, Sent, joint_state, write_bag
 from optional import requires
 
 from linkedplane_ros.joints.joint_state import JointMap
@@ -38,7 +38,7 @@ def test_memory_does_not_grow_with_the_recording(tmp_path: Path, ending: str) ->
     angles = np.tile((0.5, 0.4, 0.2), (len(stamps), 1))
     messages = JointStateSerializer(STORE, names, '').serialize(stamps, angles, angles)
     kind = 'sensor_msgs/msg/JointState'
-    source = write(
+    source = write_bag(
         tmp_path / 'in',
         [('/joint_states', kind, t, m) for t, m in zip(stamps.tolist(), messages, strict=True)],
     )
@@ -59,7 +59,7 @@ def test_large_messages_do_not_fill_the_memory(tmp_path: Path) -> None:
     for k in range(300):
         sent += [joint_state(k), ('/camera', kind, T0 + k * 10**7 + 8, data)]
     joints = JointMap(NAMES, ONE, NONE)
-    motion = BagMotion.from_joint_states(write(tmp_path / 'in', sent), joints, None)
+    motion = BagMotion.from_joint_states(write_bag(tmp_path / 'in', sent), joints, None)
     held = [sum(len(each[2]) for each in chunk.records) for chunk in motion.chunks()]
     assert len(held) > 5
     assert max(held) < 2**24 + len(data)

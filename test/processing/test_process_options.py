@@ -5,7 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from bags import BAG, contents, exit_status, joint_state, note, odd_motion, refused, write
+from bags import (
+    BAG,
+    exit_status,
+    joint_state,
+    odd_motion,
+    read_messages,
+    refusal_line,
+    text_note,
+    write_bag,
+)
 
 from linkedplane_ros.processing.inputs import find_recordings
 
@@ -15,7 +24,7 @@ def test_an_output_that_exists_is_left_alone_without_force(
 ) -> None:
     out = tmp_path / 'out.csv'
     out.write_text('precious')
-    assert '--force' in refused(capsys, str(BAG), str(out))
+    assert '--force' in refusal_line(capsys, str(BAG), str(out))
     assert out.read_text() == 'precious'
     assert exit_status([str(BAG), str(out), '--force']) == 0
     assert out.read_text() != 'precious'
@@ -27,7 +36,7 @@ def test_a_recording_is_not_its_own_output(
     source = tmp_path / 'in.csv'
     source.write_text('time,flexion,abduction,rotation\n0,0.1,0.2,0.3\n')
     before = source.read_bytes()
-    assert 'its own output' in refused(capsys, str(source), str(source), '--force')
+    assert 'its own output' in refusal_line(capsys, str(source), str(source), '--force')
     assert source.read_bytes() == before
 
 
@@ -36,7 +45,7 @@ def test_a_folder_that_is_no_bag_is_not_replaced(
 ) -> None:
     (tmp_path / 'arm_raise').mkdir()
     (tmp_path / 'arm_raise' / 'thesis.txt').write_text('precious')
-    line = refused(capsys, str(BAG), str(BAG.parent), str(tmp_path), '--force')
+    line = refusal_line(capsys, str(BAG), str(BAG.parent), str(tmp_path), '--force')
     assert 'a folder; only a bag is replaced' in line
     assert (tmp_path / 'arm_raise' / 'thesis.txt').read_text() == 'precious'
 
@@ -45,19 +54,22 @@ def test_a_folder_that_is_no_bag_is_not_replaced(
 def test_force_does_not_replace_the_folder_that_the_source_lies_in(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
-    bag = write(tmp_path / 'rec', odd_motion())
+    bag = write_bag(tmp_path / 'rec', odd_motion())
     inner = bag / 'rec.mcap'
     before = inner.read_bytes()
-    refused(capsys, str(inner), str(bag), '--force', '--format', kind)
-    refused(capsys, str(BAG), str(bag), '--force', '--format', 'csv')
+    refusal_line(capsys, str(inner), str(bag), '--force', '--format', kind)
+    refusal_line(capsys, str(BAG), str(bag), '--force', '--format', 'csv')
     assert inner.read_bytes() == before
 
 
 def test_a_bag_is_replaced_by_a_bag_with_force(tmp_path: Path) -> None:
-    source = write(tmp_path / 'in', odd_motion())
-    target = write(tmp_path / 'old', [note(0)])
+    source = write_bag(tmp_path / 'in', odd_motion())
+    target = write_bag(tmp_path / 'old', [text_note(0)])
     assert exit_status([str(source), str(target), '--force']) == 0
-    assert {topic for topic, *_ in contents(target)} >= {'/joint_states', '/deltoid/band_states'}
+    assert {topic for topic, *_ in read_messages(target)} >= {
+        '/joint_states',
+        '/deltoid/band_states',
+    }
 
 
 @pytest.mark.parametrize(
@@ -75,34 +87,34 @@ def test_a_bag_is_replaced_by_a_bag_with_force(tmp_path: Path) -> None:
 def test_odd_options_are_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], word: str
 ) -> None:
-    source = write(tmp_path / 'in', odd_motion())
-    assert word in refused(capsys, str(source), str(tmp_path / 'out.csv'), *options)
+    source = write_bag(tmp_path / 'in', odd_motion())
+    assert word in refusal_line(capsys, str(source), str(tmp_path / 'out.csv'), *options)
 
 
 def test_patterns_are_matched_where_the_shell_has_not(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for k in range(3):
-        write(tmp_path / f'walk_{k}', odd_motion())
+        write_bag(tmp_path / f'walk_{k}', odd_motion())
     command = [str(tmp_path / 'walk_*'), str(tmp_path / 'out'), '--format', 'csv']
     assert exit_status(command) == 0
     assert '3 of 3 recordings' in capsys.readouterr().out
-    assert 'run_*: nothing matches' in refused(capsys, str(tmp_path / 'run_*'), 'out')
+    assert 'run_*: nothing matches' in refusal_line(capsys, str(tmp_path / 'run_*'), 'out')
 
 
 def test_folders_with_a_dot_in_their_names_keep_them(tmp_path: Path) -> None:
-    sources = [write(tmp_path / f'walk.0{k}', odd_motion()) for k in (1, 2)]
+    sources = [write_bag(tmp_path / f'walk.0{k}', odd_motion()) for k in (1, 2)]
     assert exit_status([*map(str, sources), str(tmp_path / 'out')]) == 0
     assert sorted(each.name for each in (tmp_path / 'out').iterdir()) == ['walk.01', 'walk.02']
 
 
 def test_a_bag_is_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    line = refused(capsys, str(BAG), str(tmp_path / 'out.mcap'))
+    line = refusal_line(capsys, str(BAG), str(tmp_path / 'out.mcap'))
     assert f'{tmp_path / "out.mcap"}: a bag is a folder; name it without .mcap' in line
 
 
 def test_a_pattern_stands_for_the_recordings_in_it(tmp_path: Path) -> None:
-    write(tmp_path / 'lab' / 'deep' / 'walk', odd_motion())
+    write_bag(tmp_path / 'lab' / 'deep' / 'walk', odd_motion())
     (tmp_path / 'lab' / 'notes.txt').touch()
     assert exit_status([str(tmp_path / 'lab' / '**'), str(tmp_path / 'out')]) == 0
     assert [each.name for each in (tmp_path / 'out').iterdir()] == ['walk']
@@ -111,8 +123,8 @@ def test_a_pattern_stands_for_the_recordings_in_it(tmp_path: Path) -> None:
 def test_several_recordings_need_a_folder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sources = [str(write(tmp_path / f'in{k}', odd_motion())) for k in range(2)]
-    line = refused(capsys, *sources, str(tmp_path / 'x.csv'))
+    sources = [str(write_bag(tmp_path / f'in{k}', odd_motion())) for k in range(2)]
+    line = refusal_line(capsys, *sources, str(tmp_path / 'x.csv'))
     assert 'x.csv: a folder expected for several recordings; --format csv?' in line
 
 
@@ -128,8 +140,8 @@ def test_options_that_would_do_nothing_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], line: str
 ) -> None:
     poses = ('--humerus', '/h', '--scapula', '/s')
-    assert line in refused(capsys, str(BAG), str(tmp_path / 'out'), *poses, *options)
-    assert '--frame-axes: only for poses' in refused(
+    assert line in refusal_line(capsys, str(BAG), str(tmp_path / 'out'), *poses, *options)
+    assert '--frame-axes: only for poses' in refusal_line(
         capsys, str(BAG), str(tmp_path / 'out'), '--frame-axes', 'isb'
     )
 
@@ -138,12 +150,12 @@ def test_a_file_is_not_replaced_by_a_bag(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / 'out').touch()
-    line = refused(capsys, str(BAG), str(tmp_path / 'out'), '--force')
+    line = refusal_line(capsys, str(BAG), str(tmp_path / 'out'), '--force')
     assert f'{tmp_path / "out"}: a file; a bag is a folder' in line
 
 
 def test_a_folder_holds_bags_and_tables_in_the_order_of_their_names(tmp_path: Path) -> None:
-    write(tmp_path / 'b', [joint_state(0)])
+    write_bag(tmp_path / 'b', [joint_state(0)])
     for name in ('c.mot', 'a.sto', 'notes.txt', 'd.CSV'):
         (tmp_path / name).touch()
     found, faults = find_recordings([str(tmp_path)])

@@ -7,7 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bags import EXACT, T0, contents, node_says, numbers, odd_motion, rows, write
+from bags import (
+    EXACT,
+    T0,
+    answer_numbers,
+    node_answers,
+    odd_motion,
+    read_csv,
+    read_messages,
+    write_bag,
+)
 from optional import requires
 from rclpy.serialization import deserialize_message
 from ros_harness import TOPICS
@@ -25,7 +34,7 @@ def test_a_motion_file_a_table_and_a_bag_of_one_motion_agree(shared: Path, tmp_p
     for name in ('abduction.mot', 'abduction.csv', 'abduction_mcap'):
         report = run_task(Task(folder / name, tmp_path / f'{name}.csv', TSM))
         assert (report.fault, report.frames) == ('', 1091)
-        made[name] = rows(tmp_path / f'{name}.csv')
+        made[name] = read_csv(tmp_path / f'{name}.csv')
     _, names, mot = made['abduction.mot']
     solver, convention = (
         LinkedPlaneSolver(BroadMuscle.load('deltoid')),
@@ -49,7 +58,7 @@ def test_lengthening_from_a_table_is_the_slope_of_the_length(tmp_path: Path) -> 
     lines += [f'{t!r},{0.5 + 0.4 * math.sin(2 * t)!r},0.3,0.1' for t in times.tolist()]
     (tmp_path / 'sine.csv').write_text('\n'.join(lines) + '\n')
     run_task(Task(tmp_path / 'sine.csv', tmp_path / 'out.csv'))
-    _, names, values = rows(tmp_path / 'out.csv')
+    _, names, values = read_csv(tmp_path / 'out.csv')
     length, speed = (values[:, names.index(f'{kind}/anterior_2')]
                      for kind in ('band_lengths', 'lengthening'))  # fmt: skip
     # m/s: both are differences over 10 ms of a motion of 2 rad/s
@@ -60,7 +69,7 @@ def test_lengthening_from_a_table_is_the_slope_of_the_length(tmp_path: Path) -> 
 def test_the_size_of_a_chunk_does_not_show(
     tmp_path: Path, size: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bag = write(tmp_path / 'in', odd_motion())
+    bag = write_bag(tmp_path / 'in', odd_motion())
     lines = ['time,flexion,abduction,rotation']
     lines += [f'{0.01 * k},{0.1 * math.sin(k)},0.3,{"nan" if k == 20 else 0.1}' for k in range(50)]
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
@@ -71,7 +80,7 @@ def test_the_size_of_a_chunk_does_not_show(
     for k, report in enumerate(whole):
         again = run_task(Task(report.task.source, tmp_path / f'part{k}.csv'))
         assert again.refused == report.refused
-        part, all_at_once = (rows(tmp_path / f'{name}{k}.csv')[2] for name in ('part', 'whole'))
+        part, all_at_once = (read_csv(tmp_path / f'{name}{k}.csv')[2] for name in ('part', 'whole'))
         # differences in time and products of matrices round otherwise in other company
         np.testing.assert_allclose(part, all_at_once, rtol=1e-12, atol=1e-15)
 
@@ -80,10 +89,10 @@ def test_the_size_of_a_chunk_does_not_show(
 def test_parquet_holds_the_numbers_of_csv(tmp_path: Path) -> None:
     from pyarrow import parquet
 
-    source = write(tmp_path / 'in', odd_motion())
+    source = write_bag(tmp_path / 'in', odd_motion())
     for name in ('out.csv', 'out.parquet'):
         assert run_task(Task(source, tmp_path / name)).fault == ''
-    facts, names, values = rows(tmp_path / 'out.csv')
+    facts, names, values = read_csv(tmp_path / 'out.csv')
     table = parquet.read_table(tmp_path / 'out.parquet')
     assert table.column_names == ['stamp', *names]
     for i, name in enumerate(names):
@@ -99,14 +108,14 @@ def test_a_motion_file_becomes_a_bag_that_the_node_would_answer_alike(
 ) -> None:
     task = Task(shared / 'recordings' / 'flexion.mot', tmp_path / 'out', TSM)
     assert run_task(task).fault == ''
-    found = contents(tmp_path / 'out')
-    said = node_says(found, joint_convention='opensim_tsm', **{'markers.details': False})
+    found = read_messages(tmp_path / 'out')
+    said = node_answers(found, joint_convention='opensim_tsm', **{'markers.details': False})
     del said['markers'][0]
     for topic, answers in said.items():
         ours = [data for name, _, _, data in found if name == f'/deltoid/{topic}']
         assert len(ours) == len(answers)
         for mine, theirs in zip(ours, answers, strict=True):
-            a, b = (numbers(deserialize_message(x, TOPICS[topic])) for x in (mine, theirs))
+            a, b = (answer_numbers(deserialize_message(x, TOPICS[topic])) for x in (mine, theirs))
             np.testing.assert_allclose(a, b, rtol=0, atol=EXACT)
 
 
@@ -118,7 +127,7 @@ def test_a_filter_and_a_rate_are_carried_out_and_recorded(tmp_path: Path) -> Non
     (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
     task = Task(tmp_path / 'in.csv', tmp_path / 'out.csv', Options(rate=50.0, lowpass=6.0))
     assert run_task(task).frames == 201
-    facts, _, values = rows(tmp_path / 'out.csv')
+    facts, _, values = read_csv(tmp_path / 'out.csv')
     assert (facts['resampled_to_hz'], facts['velocities']) == ('50', 'differentiated')
     assert facts['lowpass_hz'].startswith('6 ')
     np.testing.assert_allclose(np.diff(values[:, 0]), 0.02, atol=1e-9)
@@ -129,7 +138,7 @@ def test_a_filter_and_a_rate_are_carried_out_and_recorded(tmp_path: Path) -> Non
 
 def test_the_output_says_what_was_read_and_how(shared: Path, tmp_path: Path) -> None:
     motions = shared / 'recordings'
-    bag = write(tmp_path / 'in', odd_motion())
+    bag = write_bag(tmp_path / 'in', odd_motion())
     for task, said in (
         (Task(motions / 'flexion.mot', tmp_path / 'a.csv', TSM),
          {'read_in': 'deg: inDegrees in the file', 'columns': 'plane_elv, shoulder_elv, axial_rot',
@@ -145,5 +154,5 @@ def test_the_output_says_what_was_read_and_how(shared: Path, tmp_path: Path) -> 
     ):  # fmt: skip
         report = run_task(task)
         assert report.fault == ''
-        facts, _, _ = rows(task.target)
+        facts, _, _ = read_csv(task.target)
         assert said.items() <= facts.items()

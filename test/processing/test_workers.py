@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bags import odd_motion, refused, write
+from bags import odd_motion, refusal_line, write_bag
 from optional import requires
 
 from linkedplane_ros.processing.task import Task
@@ -23,7 +23,7 @@ PROCESS = [sys.executable, '-m', 'linkedplane_ros.commands', 'process']
 
 
 def test_the_results_do_not_depend_on_how_many_work_at_a_time(tmp_path: Path) -> None:
-    sources = [write(tmp_path / f'in{k}', odd_motion()[: 20 + 2 * k]) for k in range(4)]
+    sources = [write_bag(tmp_path / f'in{k}', odd_motion()[: 20 + 2 * k]) for k in range(4)]
     for jobs in (1, 2):
         (tmp_path / str(jobs)).mkdir()
         made = [Task(s, tmp_path / str(jobs) / f'{s.name}.csv') for s in sources]
@@ -38,7 +38,7 @@ def test_the_results_do_not_depend_on_how_many_work_at_a_time(tmp_path: Path) ->
 def test_a_cluster_gives_what_one_process_gives(tmp_path: Path) -> None:
     from dask import distributed
 
-    sources = [write(tmp_path / f'in{k}', odd_motion()[: 20 + 2 * k]) for k in range(3)]
+    sources = [write_bag(tmp_path / f'in{k}', odd_motion()[: 20 + 2 * k]) for k in range(3)]
     for place in ('here', 'there'):
         (tmp_path / place).mkdir()
     with distributed.LocalCluster(
@@ -57,8 +57,8 @@ def test_a_cluster_gives_what_one_process_gives(tmp_path: Path) -> None:
 def test_a_cluster_that_is_not_there_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source = write(tmp_path / 'in', odd_motion())
-    line = refused(capsys, str(source), str(tmp_path / 'x'), '--dask', 'tcp://127.0.0.1:9')
+    source = write_bag(tmp_path / 'in', odd_motion())
+    line = refusal_line(capsys, str(source), str(tmp_path / 'x'), '--dask', 'tcp://127.0.0.1:9')
     assert '--dask tcp://127.0.0.1:9: not reached' in line
 
 
@@ -131,7 +131,9 @@ def test_a_worker_may_die_before_it_has_read_its_task(
             worker.process.kill()
 
     monkeypatch.setattr(Worker, 'begin', begin_and_die)
-    made = [Task(write(tmp_path / f'in{k}', odd_motion()), tmp_path / f'{k}.csv') for k in (0, 1)]
+    made = [
+        Task(write_bag(tmp_path / f'in{k}', odd_motion()), tmp_path / f'{k}.csv') for k in (0, 1)
+    ]
     reports = {report.task.source.name: report.fault for report in run_tasks(made, 2, None)}
     assert reports == {'in0': f'{tmp_path / "in0"}: its process died, status -9', 'in1': ''}
 
@@ -173,7 +175,7 @@ def test_an_interruption_ends_all_workers_and_leaves_nothing_half_written(
 def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> None:
     table, short = long_recordings(tmp_path, 2, 12_000)
     short.write_text('\n'.join(short.read_text().split('\n')[:2000]) + '\n')
-    bag = write(tmp_path / 'bag', odd_motion())
+    bag = write_bag(tmp_path / 'bag', odd_motion())
     made = [Task(each, tmp_path / f'{k}.out') for k, each in enumerate((table, short, bag))]
     seen: list[tuple[int, float]] = []
     reports = list(run_tasks(made, jobs, None, lambda frames, share: seen.append((frames, share))))
@@ -187,7 +189,7 @@ def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> N
 def test_on_a_terminal_the_lines_stand_alone_and_go_where_they_are_sent(tmp_path: Path) -> None:
     import pty
 
-    sources = [write(tmp_path / f'in{k}', odd_motion()) for k in range(2)]
+    sources = [write_bag(tmp_path / f'in{k}', odd_motion()) for k in range(2)]
     near, far = pty.openpty()
     command = [*PROCESS, *map(str, sources)]
     with (

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bags import EXACT, STORE, T0, Sent, contents, rows, write
+from bags import EXACT, STORE, T0, Sent, read_csv, read_messages, write_bag
 from rclpy.serialization import deserialize_message
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
@@ -73,11 +73,11 @@ def test_two_poses_give_the_angles_between_them(tmp_path: Path, kind: str, axes:
     for k, angles in enumerate(ANGLES):
         R = frame.T @ convention.rotation(angles) @ frame
         sent += [pose(k, '/scapula', lab(k), kind), pose(k, '/humerus', lab(k) @ R, kind)]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     options = replace(ON_TOPICS, frame_axes=axes)
     report = run_task(Task(source, tmp_path / 'out.csv', options))
     assert (report.fault, report.frames) == ('', 30)
-    facts, _, values = rows(tmp_path / 'out.csv')
+    facts, _, values = read_csv(tmp_path / 'out.csv')
     np.testing.assert_allclose(values[:, 1:4], ANGLES, rtol=0, atol=1e-9)
     assert facts['scapulohumeral_rhythm'] == 'none: measured against the scapula'
 
@@ -88,10 +88,10 @@ def test_a_left_arms_poses_give_the_same_anatomical_angles(tmp_path: Path) -> No
     for k, angles in enumerate(ANGLES):
         left = mirror @ convention.rotation(angles) @ mirror
         sent += [pose(k, '/humerus', lab(k) @ left), pose(k, '/scapula', lab(k))]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     task = Task(source, tmp_path / 'out.csv', replace(ON_TOPICS, side='left'))
     assert run_task(task).frames == 30
-    np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(read_csv(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
 
 def test_poses_on_topics_count_together_only_at_one_stamp(tmp_path: Path) -> None:
@@ -99,11 +99,11 @@ def test_poses_on_topics_count_together_only_at_one_stamp(tmp_path: Path) -> Non
     sent = [pose(k, '/humerus', lab(k) @ convention.rotation(ANGLES[k])) for k in range(30)]
     sent += [pose(k, '/scapula', lab(k)) for k in range(0, 30, 3)]
     sent.sort(key=lambda each: each[2])
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     task = Task(source, tmp_path / 'out.csv', ON_TOPICS)
     assert run_task(task).frames == 10
     np.testing.assert_allclose(
-        rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES[::3], rtol=0, atol=1e-9
+        read_csv(tmp_path / 'out.csv')[2][:, 1:4], ANGLES[::3], rtol=0, atol=1e-9
     )
 
 
@@ -121,10 +121,10 @@ def test_frames_of_tf_are_found_by_their_names(tmp_path: Path) -> None:
                 ('torso', 'scapula', lab(k)),
             )
         )
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     task = Task(source, tmp_path / 'out.csv', IN_TREE)
     assert run_task(task).frames == 30
-    np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(read_csv(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
 
 def tree(k: int, *hung: tuple[str, str, np.ndarray]) -> Sent:
@@ -151,7 +151,7 @@ def test_frames_that_do_not_hang_together_are_named(
     tmp_path: Path, humerus: str, line: str
 ) -> None:
     sent = [tree(k, ('lab', 'humerus', lab(k)), ('map', 'scapula', lab(k))) for k in range(3)]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     report = run_task(Task(source, tmp_path / 'out', replace(IN_TREE, humerus=humerus)))
     assert report.fault == f'{source}: nothing was usable: {line}'
 
@@ -159,7 +159,7 @@ def test_frames_that_do_not_hang_together_are_named(
 def test_poses_that_never_come_at_one_stamp_are_named(tmp_path: Path) -> None:
     sent = [pose(2 * k, '/humerus', lab(k)) for k in range(3)]
     sent += [pose(2 * k + 1, '/scapula', lab(k)) for k in range(3)]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     report = run_task(Task(source, tmp_path / 'out', ON_TOPICS))
     assert 'poses of /humerus or /scapula without the other at their stamp' in report.fault
 
@@ -173,11 +173,11 @@ def test_a_topic_may_lag_behind_the_other(tmp_path: Path) -> None:
     late = [(topic, kind, time + 11 * 10**6, data) for topic, kind, time, data in humerus]
     del late[20]
     sent = sorted([*scapula, *late], key=lambda each: each[2])
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     report = run_task(Task(source, tmp_path / 'out.csv', ON_TOPICS))
     assert (report.frames, dict(report.refused)) == (29, {'alone': 1})
     want = np.delete(ANGLES, 20, axis=0)
-    np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], want, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(read_csv(tmp_path / 'out.csv')[2][:, 1:4], want, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize('slash', ['', '/'])
@@ -191,11 +191,11 @@ def test_frames_of_one_stamp_may_come_in_several_messages_among_bad_ones(
         sent.append((*broken[:3], broken[3][:-32] + bytes(32)))  # no quaternion
         sent.append(tree(k, ('lab', 'humerus', lab(k) @ convention.rotation(angles))))
         sent.append(tree(k, ('lab', 'scapula', lab(k))))
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     options = replace(IN_TREE, humerus=f'{slash}humerus', scapula=f'{slash}scapula')
     report = run_task(Task(source, tmp_path / 'out.csv', options))
     assert (report.fault, report.frames, dict(report.refused)) == ('', 30, {})
-    np.testing.assert_allclose(rows(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(read_csv(tmp_path / 'out.csv')[2][:, 1:4], ANGLES, rtol=0, atol=1e-9)
 
 
 def test_a_bag_of_poses_gets_the_angles_and_can_be_plotted(
@@ -206,9 +206,9 @@ def test_a_bag_of_poses_gets_the_angles_and_can_be_plotted(
     for k, angles in enumerate(ANGLES):
         sent += [pose(k, '/scapula', lab(k))]
         sent += [pose(k, '/humerus', lab(k) @ convention.rotation(angles))]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     assert run_task(Task(source, tmp_path / 'out', ON_TOPICS)).frames == 30
-    found = contents(tmp_path / 'out')
+    found = read_messages(tmp_path / 'out')
     assert [each for each in found if not each[0].startswith('/deltoid/')] == sent
     told = [
         deserialize_message(data, JointState)
@@ -230,17 +230,17 @@ def test_against_the_thorax_the_scapula_takes_its_share_and_the_output_says_so(
     for k, angles in enumerate(ANGLES):
         R = lab(k) @ convention.rotation(angles)
         sent += [pose(k, '/thorax', lab(k)), pose(k, '/humerus', R)]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     command = ['process', str(source), str(tmp_path / 'out.csv'), '--convention', 'isb_yxy']
     command += ['--humerus', '/humerus', '--thorax', '/thorax']
     assert main(command) == 0
     assert 'the scapula takes 1 part of an elevation to 2' in capsys.readouterr().out
-    facts, _, values = rows(tmp_path / 'out.csv')
+    facts, _, values = read_csv(tmp_path / 'out.csv')
     np.testing.assert_allclose(values[:, 1:4], ANGLES * (1.0, 2.0 / 3.0, 1.0), rtol=0, atol=1e-9)
     assert facts['scapulohumeral_rhythm'] == '2 to 1'
     assert main([*command, '--rhythm', '1', '--force']) == 0
     np.testing.assert_allclose(
-        rows(tmp_path / 'out.csv')[2][:, 2], ANGLES[:, 1] / 2.0, rtol=0, atol=1e-9
+        read_csv(tmp_path / 'out.csv')[2][:, 2], ANGLES[:, 1] / 2.0, rtol=0, atol=1e-9
     )
 
 

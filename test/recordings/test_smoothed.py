@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bags import STORE, T0, Sent, contents, joint_state, odd_motion, rows, write
+from bags import STORE, T0, Sent, joint_state, odd_motion, read_csv, read_messages, write_bag
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
@@ -35,7 +35,7 @@ TENTHS = [0.01 * k for k in range(101)]
 def test_an_angle_may_go_over_pi(tmp_path: Path, options: dict[str, float]) -> None:
     report = turning(tmp_path, TENTHS, **options)
     assert (report.fault, dict(report.refused)) == ('', {})
-    _, names, values = rows(tmp_path / 'out.csv')
+    _, names, values = read_csv(tmp_path / 'out.csv')
     rotation = values[:, names.index('angles/rotation')]
     off = np.exp(1j * rotation) / np.exp(1j * (3.0 + values[:, 0]))
     np.testing.assert_allclose(np.angle(off), 0.0, atol=5e-3)  # the filter's ends; else 1e-4
@@ -46,7 +46,7 @@ def test_an_angle_may_go_over_pi(tmp_path: Path, options: dict[str, float]) -> N
 def test_a_gap_is_not_bridged(tmp_path: Path) -> None:
     times = [t for t in TENTHS if not 0.3 < t < 0.6]
     assert turning(tmp_path, times, rate=50.0).frames == 37
-    stamps = rows(tmp_path / 'out.csv')[2][:, 0]
+    stamps = read_csv(tmp_path / 'out.csv')[2][:, 0]
     assert not ((stamps > 0.31) & (stamps < 0.59)).any()
     np.testing.assert_allclose(np.sort(np.diff(stamps))[:-1], 0.02, atol=2e-9)
 
@@ -72,18 +72,18 @@ def test_stamps_that_go_back_are_counted_and_of_equal_ones_the_last_counts(tmp_p
         sent += [joint_state(k, ('flexion', 'abduction'), position=[0.3 + 0.01 * k, 0.2]),
                  joint_state(k, ('rotation',), position=[0.1])]  # fmt: skip
     again = [(topic, kind, time + 10**9, data) for topic, kind, time, data in sent[20:24]]
-    source = write(tmp_path / 'in', sent + again)
+    source = write_bag(tmp_path / 'in', sent + again)
     report = run_task(Task(source, tmp_path / 'out.csv', Options(rate=100.0)))
     assert (report.frames, dict(report.refused)) == (50, {'incomplete': 1, 'earlier': 4})
-    flexion = rows(tmp_path / 'out.csv')[2][:, 1]
+    flexion = read_csv(tmp_path / 'out.csv')[2][:, 1]
     np.testing.assert_allclose(flexion, 0.3 + 0.01 * np.arange(50), rtol=0, atol=1e-9)
 
 
 def test_velocities_may_be_differences_in_a_bag_too(tmp_path: Path) -> None:
     sent = [joint_state(k, velocity=[]) for k in range(50)]
-    source = write(tmp_path / 'in', sent)
+    source = write_bag(tmp_path / 'in', sent)
     assert run_task(Task(source, tmp_path / 'out', Options(differentiate=True))).frames == 50
-    found = contents(tmp_path / 'out')
+    found = read_messages(tmp_path / 'out')
     assert [each for each in found if each[0] == '/joint_states'] == sent
     told = [
         deserialize_message(data, JointState)
@@ -96,12 +96,12 @@ def test_velocities_may_be_differences_in_a_bag_too(tmp_path: Path) -> None:
 
 
 def test_a_bags_count_of_messages_may_be_wrong(tmp_path: Path) -> None:
-    source = write(tmp_path / 'in', odd_motion()[16:])
+    source = write_bag(tmp_path / 'in', odd_motion()[16:])
     metadata = source / 'metadata.yaml'
     text = metadata.read_text()
     metadata.write_text(text.replace('message_count: 64', 'message_count: 1'))
     assert text != metadata.read_text()
     assert run_task(Task(source, tmp_path / 'out', Options(rate=30.0))).fault == ''
-    times = [time for _, _, time, _ in contents(tmp_path / 'out')]
+    times = [time for _, _, time, _ in read_messages(tmp_path / 'out')]
     assert times == sorted(times)
     assert STORE

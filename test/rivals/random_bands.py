@@ -29,7 +29,7 @@ POINTS = ('origin', 'insertion', 'centre', 'second_centre')
 AXES = ('axis', 'second_axis')
 
 
-def one(kind: Model, rng: np.random.Generator) -> PathModel:
+def random_model(kind: Model, rng: np.random.Generator) -> PathModel:
     """Return a random model of a kind; m."""
 
     def point(spread: float) -> tuple[float, ...]:
@@ -57,18 +57,18 @@ def one(kind: Model, rng: np.random.Generator) -> PathModel:
     return DoubleCylinder(P, S, C, w, **obstacle(), **second)
 
 
-def many(kind: Model, count: int, seed: int = 0) -> list[PathModel]:
+def random_models(kind: Model, count: int, seed: int = 0) -> list[PathModel]:
     """Return random models of a kind."""
     rng = np.random.default_rng(seed)
-    return [one(kind, rng) for _ in range(count)]
+    return [random_model(kind, rng) for _ in range(count)]
 
 
-def rotations(count: int, seed: int = 1) -> Array:
+def random_rotations(count: int, seed: int = 1) -> Array:
     """Return random rotations (count, 3, 3), any at all."""
     return Rotation.random(count, random_state=seed).as_matrix()
 
 
-def turned(model: PathModel, Q: Array) -> PathModel:
+def turned_model(model: PathModel, Q: Array) -> PathModel:
     """Return a model with both bones turned about the joint's centre."""
 
     def turn(value: tuple[float, ...]) -> tuple[float, ...]:
@@ -85,7 +85,7 @@ def turned(model: PathModel, Q: Array) -> PathModel:
     return replace(model, **changed)
 
 
-def slopes(bands: Bands, R: Array, h: float) -> Array:
+def length_slopes(bands: Bands, R: Array, h: float) -> Array:
     """Return dL/domega (n, 3) by solving anew at turns of h and h / 2 (rad); error of h^4."""
     steps = h * np.array((-1.0, -0.5, 0.5, 1.0))
     turns = Rotation.from_rotvec(np.einsum('h,ij->hij', steps, np.eye(3)).reshape(-1, 3))
@@ -96,7 +96,7 @@ def slopes(bands: Bands, R: Array, h: float) -> Array:
 Outside = Callable[[Array], Array]  # moves points (..., 3) that are in obstacles onto their surface
 
 
-def off_sphere(C: Array, R: Array) -> Outside:
+def keep_out_of_sphere(C: Array, R: Array) -> Outside:
     """Return what keeps points (k, j, 3) out of k spheres."""
 
     def outside(x: Array) -> Array:
@@ -108,7 +108,7 @@ def off_sphere(C: Array, R: Array) -> Outside:
     return outside
 
 
-def off_cylinder(C: Array, w: Array, R: Array) -> Outside:
+def keep_out_of_cylinder(C: Array, w: Array, R: Array) -> Outside:
     """Return what keeps points (k, j, 3) out of k endless cylinders of unit axes w."""
 
     def outside(x: Array) -> Array:
@@ -125,9 +125,9 @@ def off_cylinder(C: Array, w: Array, R: Array) -> Outside:
     return outside
 
 
-def off_capped(C: Array, w: Array, R: Array) -> Outside:
+def keep_out_of_capped_cylinder(C: Array, w: Array, R: Array) -> Outside:
     """Return what keeps points (k, j, 3) out of k cylinders capped at C; axes to the caps."""
-    sphere, cylinder = off_sphere(C, R), off_cylinder(C, w, R)
+    sphere, cylinder = keep_out_of_sphere(C, R), keep_out_of_cylinder(C, w, R)
 
     def outside(x: Array) -> Array:
         above = np.einsum('kji,ki->kj', x - C[:, np.newaxis], w) > 0.0
@@ -136,7 +136,7 @@ def off_capped(C: Array, w: Array, R: Array) -> Outside:
     return outside
 
 
-def taut(knots: Array, outside: Outside, reach: Array, parts: int) -> Array:
+def taut_lengths(knots: Array, outside: Outside, reach: Array, parts: int) -> Array:
     """Return the lengths (k,) of strings pulled taut from polylines (k, j, 3) through their knots.
 
     The strings are `parts` equal parts; each inner point in turn goes where its neighbours pull it,
@@ -164,7 +164,7 @@ def taut(knots: Array, outside: Outside, reach: Array, parts: int) -> Array:
     return (4.0 * lengths[1] - lengths[0]) / 3.0
 
 
-def spiral(P: Array, S: Array, C: Array, w: Array, R: Array) -> Array:
+def spiral_polylines(P: Array, S: Array, C: Array, w: Array, R: Array) -> Array:
     """Return polylines (k, 33, 3) from P to S, right-handed about the axes w, well off them."""
     part = np.linspace(0.0, 1.0, 33)[:, np.newaxis, np.newaxis]
     p, s = P - C, S - C

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from random_bands import MODELS, Model, many, rotations, slopes, turned
+from random_bands import MODELS, Model, length_slopes, random_models, random_rotations, turned_model
 from reference import Array
 from scipy.spatial.transform import Rotation
 
@@ -35,9 +35,9 @@ every_model = pytest.mark.parametrize('kind', MODELS, ids=lambda kind: kind.__na
 @every_model
 def test_moment_vectors_are_the_slopes_of_the_length(kind: Model) -> None:
     # Richardson's central differences at two steps; where they differ there is a kink or a jump
-    bands = Bands(many(kind, 400))
-    R = rotations(1)[0]
-    coarse, fine = slopes(bands, R, 2e-4), slopes(bands, R, 1e-4)
+    bands = Bands(random_models(kind, 400))
+    R = random_rotations(1)[0]
+    coarse, fine = length_slopes(bands, R, 2e-4), length_slopes(bands, R, 1e-4)
     told = np.abs(coarse - fine).max(axis=1) < 1e-9
     state = bands.solve(R)
     off = np.abs(state.moment_vectors + fine).max(axis=1)
@@ -51,7 +51,7 @@ def test_moment_vectors_are_the_slopes_of_the_length(kind: Model) -> None:
 
 @every_model
 def test_the_drawn_path_is_as_long_as_the_band_and_bends_nowhere(kind: Model) -> None:
-    state = Bands(many(kind, 200)).solve(rotations(1)[0])
+    state = Bands(random_models(kind, 200)).solve(random_rotations(1)[0])
     for i, path in enumerate(state.paths(200)):
         parts = np.diff(path, axis=0)
         long = np.linalg.norm(parts, axis=1)
@@ -65,7 +65,7 @@ def test_the_drawn_path_is_as_long_as_the_band_and_bends_nowhere(kind: Model) ->
         assert np.linalg.norm(np.diff(unit, axis=0), axis=1).max() < 0.04
 
 
-def below(state: PathState, model: PathModel, R: Array) -> float:
+def bands_below(state: PathState, model: PathModel, R: Array) -> float:
     """Return how deep a path runs in its single obstacle, m; on its surface 0."""
     path = state.path(60)
     centre, axis = np.array(model.centre), np.array(getattr(model, 'axis', (0, 0, 0)))
@@ -82,23 +82,23 @@ def below(state: PathState, model: PathModel, R: Array) -> float:
 
 @pytest.mark.parametrize('kind', [Sphere, Cylinder, CappedCylinder])
 def test_a_path_keeps_out_of_its_obstacle(kind: Model) -> None:
-    R = rotations(1)[0]
+    R = random_rotations(1)[0]
     seen = 0
-    for model in many(kind, 300):
+    for model in random_models(kind, 300):
         state = model.solve(R)
         if state.wrap in (WrapState.WRAPPED, WrapState.CLEAR):
             seen += state.wrap == WrapState.WRAPPED
             # m: the chord of an arc of up to 0.04 m and pi, in 60 parts, lies 1.4e-5 below it
-            assert below(state, model, R) < 1.5e-5
+            assert bands_below(state, model, R) < 1.5e-5
     assert seen > 10
 
 
 @every_model
 def test_a_turn_of_everything_turns_the_moments_and_keeps_the_rest(kind: Model) -> None:
-    R, Q = rotations(2)
-    models = many(kind, 300)
+    R, Q = random_rotations(2)
+    models = random_models(kind, 300)
     here = Bands(models).solve(R)
-    there = Bands([turned(model, Q) for model in models]).solve(Q @ R @ Q.T)
+    there = Bands([turned_model(model, Q) for model in models]).solve(Q @ R @ Q.T)
     same = here.wrap == there.wrap  # but where rounding decides
     assert same.sum() >= 299
     # m: rounding; a crossing or a second contact is found by a search, so a little more
@@ -110,9 +110,9 @@ def test_a_turn_of_everything_turns_the_moments_and_keeps_the_rest(kind: Model) 
 
 @pytest.mark.parametrize('kind', [Straight, Sphere, Cylinder])
 def test_seen_from_the_other_bone_a_band_is_the_same(kind: Model) -> None:
-    R = rotations(1)[0]
+    R = random_rotations(1)[0]
     other = {'scapula': 'humerus', 'humerus': 'scapula'}
-    for model in many(kind, 100):
+    for model in random_models(kind, 100):
         swapped = {'origin': model.insertion, 'insertion': model.origin}
         if kind is not Straight:
             swapped['bone'] = other[model.bone]
@@ -128,8 +128,8 @@ def test_seen_from_the_other_bone_a_band_is_the_same(kind: Model) -> None:
 @every_model
 def test_a_path_depends_on_its_pose_alone(kind: Model) -> None:
     """To the bit: alone or in a batch, whatever came before, whichever way the band flipped."""
-    bands = Bands(many(kind, 30))
-    poses = np.concatenate((rotations(300), sweep_over_the_top()))
+    bands = Bands(random_models(kind, 30))
+    poses = np.concatenate((random_rotations(300), sweep_over_the_top()))
     order = np.random.default_rng(3).permutation(len(poses))
     ordered, shuffled = bands.solve_batch(poses), bands.solve_batch(poses[order])
     for name in ('lengths', 'moment_vectors', 'wrap', 'contacts'):
@@ -160,11 +160,11 @@ def test_a_band_that_flips_flips_at_the_same_pose_on_the_way_back() -> None:
 def test_compiled_and_uncompiled_rivals_agree(tmp_path: Path) -> None:
     code = (
         'import numpy as np\n'
-        'from random_bands import MODELS, many, rotations\n'
+        'from random_bands import MODELS, random_models, random_rotations\n'
         'from linkedplane_ros.rivals import Bands\n'
         'found = {}\n'
         'for kind in MODELS:\n'
-        '    state = Bands(many(kind, 100, seed=7)).solve_batch(rotations(2))\n'
+        '    state = Bands(random_models(kind, 100, seed=7)).solve_batch(random_rotations(2))\n'
         '    found[kind.__name__] = state.lengths\n'
         '    found[kind.__name__ + "_"] = state.moment_vectors\n'
         f'np.savez({str(tmp_path / "states.npz")!r}, **found)\n'
@@ -178,7 +178,7 @@ def test_compiled_and_uncompiled_rivals_agree(tmp_path: Path) -> None:
     subprocess.run([sys.executable, '-c', code], env=environment, check=True)
     uncompiled = np.load(tmp_path / 'states.npz')
     for kind in MODELS:
-        state = Bands(many(kind, 100, seed=7)).solve_batch(rotations(2))
+        state = Bands(random_models(kind, 100, seed=7)).solve_batch(random_rotations(2))
         near = np.abs(state.lengths - uncompiled[kind.__name__]) < 1e-12  # m: rounding
         assert near.mean() > 0.99  # two cylinders in each other may settle by a hair
         off = np.abs(state.moment_vectors - uncompiled[kind.__name__ + '_'])[near]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from random_bands import BONES, MODELS, Model, many, rotations
+from random_bands import BONES, MODELS, Model, random_models, random_rotations
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import WrapState
@@ -80,23 +80,27 @@ def test_the_axis_says_on_which_side_a_cylinder_is_passed() -> None:
     assert band.solve(STILL).length < other.solve(STILL).length
 
 
-def hooked(y: float) -> Cylinder:
+def hooked_band(y: float) -> Cylinder:
     """Return a band whose line passes a cylinder of radius 0.03 at -y; its side is that of +y."""
     return Cylinder((0.1, -y, 0), (-0.1, -y, 0), (0, 0, 0), (0, 0, 1), 0.03, 'scapula')
 
 
 def test_a_line_on_the_wrong_side_is_hooked_round_a_cylinder_up_to_half_a_turn() -> None:
-    assert hooked(0.04).solve(STILL).wrap == WrapState.WRAPPED
-    assert hooked(-0.04).solve(STILL).wrap == WrapState.CLEAR
+    assert hooked_band(0.04).solve(STILL).wrap == WrapState.WRAPPED
+    assert hooked_band(-0.04).solve(STILL).wrap == WrapState.CLEAR
     # half a turn is where both tangents are parallel: the ends as far from the axis as the surface
-    near = replace(hooked(0.1), origin=(0.03 + 1e-9, -0.1, 0), insertion=(-0.03 - 1e-9, -0.1, 0))
+    near = replace(
+        hooked_band(0.1), origin=(0.03 + 1e-9, -0.1, 0), insertion=(-0.03 - 1e-9, -0.1, 0)
+    )
     state = near.solve(STILL)
     assert state.wrap == WrapState.WRAPPED
     assert state.length == pytest.approx(0.2 + 0.03 * np.pi, abs=1e-8)  # m: as near as the ends
 
 
 def test_beyond_half_a_turn_the_band_is_straight_and_missed() -> None:
-    beyond = replace(hooked(0.1), origin=(0.03 - 1e-9, -0.1, 0), insertion=(-0.03 + 1e-9, -0.1, 0))
+    beyond = replace(
+        hooked_band(0.1), origin=(0.03 - 1e-9, -0.1, 0), insertion=(-0.03 + 1e-9, -0.1, 0)
+    )
     state = beyond.solve(STILL)
     assert state.wrap == WrapState.MISSED
     assert state.length == pytest.approx(0.06, abs=1e-8)  # m: as near as the ends
@@ -154,9 +158,9 @@ def test_a_band_may_cross_from_the_cap_to_the_cylinder() -> None:
 
 
 def test_the_shorter_side_of_a_capped_cylinder_is_the_shorter_of_both() -> None:
-    models = many(CappedCylinder, 400, seed=5)
+    models = random_models(CappedCylinder, 400, seed=5)
     lengths = [
-        Bands([replace(model, turn=turn) for model in models]).solve(rotations(1)[0])
+        Bands([replace(model, turn=turn) for model in models]).solve(random_rotations(1)[0])
         for turn in ('right-handed', 'left-handed', 'shorter')
     ]
     right, left, shorter = lengths
@@ -172,7 +176,7 @@ def test_the_shorter_side_of_a_capped_cylinder_is_the_shorter_of_both() -> None:
 @pytest.mark.parametrize('end', ['origin', 'insertion'])
 def test_an_end_in_its_obstacle_is_inside_and_straight(kind: Model, end: str) -> None:
     second = kind is DoubleCylinder and end == 'insertion'
-    for model in many(kind, 50):
+    for model in random_models(kind, 50):
         centre = model.second_centre if second else model.centre
         state = replace(model, **{end: centre}).solve(STILL)
         assert (state.wrap, state.contacts) == (WrapState.INSIDE, 0)

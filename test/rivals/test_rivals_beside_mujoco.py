@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from optional import requires
-from random_bands import many, rotations
+from random_bands import random_models, random_rotations
 from reference import Array
 
 from linkedplane_ros import WrapState
@@ -83,7 +83,7 @@ def check_against_mujoco(models: list[PathModel], sides: Array | None, R: Array)
 
 def test_spheres_on_either_bone_are_mujocos() -> None:
     wrap = np.concatenate(
-        [check_against_mujoco(many(Sphere, 300, seed), None, rotations(1, seed)[0])
+        [check_against_mujoco(random_models(Sphere, 300, seed), None, random_rotations(1, seed)[0])
          for seed in range(3)]
     )  # fmt: skip
     assert [(wrap == each).sum() > 50 for each in (WrapState.WRAPPED, WrapState.CLEAR)] == [1, 1]
@@ -92,7 +92,7 @@ def test_spheres_on_either_bone_are_mujocos() -> None:
 def test_cylinders_on_either_bone_are_mujocos_on_the_same_side() -> None:
     wraps = []
     for seed in range(3):
-        models, R = many(Cylinder, 300, seed), rotations(1, seed)[0]
+        models, R = random_models(Cylinder, 300, seed), random_rotations(1, seed)[0]
         sides = []
         for model in models:
             bone = R if model.bone == 'humerus' else STILL

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_bands import Model, many, one
+from random_bands import Model, random_model, random_models
 
 from linkedplane_ros.rivals import (
     Bands,
@@ -36,15 +36,15 @@ STILL = np.eye(3)
 )
 def test_a_model_that_is_none_is_refused(kind: Model, changed: dict, said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        replace(one(kind, np.random.default_rng(0)), **changed)
+        replace(random_model(kind, np.random.default_rng(0)), **changed)
 
 
 def test_bands_are_of_one_kind_and_poses_are_rotations() -> None:
-    straight = many(Straight, 2)
+    straight = random_models(Straight, 2)
     with pytest.raises(ValueError, match='models: 0 given, 1 or more of one kind expected'):
         Bands([])
     with pytest.raises(ValueError, match='models: 3 given, 1 or more of one kind expected'):
-        Bands([*straight, *many(Sphere, 1)])
+        Bands([*straight, *random_models(Sphere, 1)])
     with pytest.raises(ValueError, match=r'rotation: shape \(3,\) given, \(3, 3\) expected'):
         straight[0].solve((1, 2, 3))
     with pytest.raises(ValueError, match=r'rotation: R\^T R is not the identity'):

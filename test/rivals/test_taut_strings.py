@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from random_bands import (
-    many,
-    off_capped,
-    off_cylinder,
-    off_sphere,
-    spiral,
-    taut,
+    keep_out_of_capped_cylinder,
+    keep_out_of_cylinder,
+    keep_out_of_sphere,
+    random_models,
+    spiral_polylines,
+    taut_lengths,
 )
 from reference import Array
 
@@ -48,18 +48,20 @@ def thick(models: list[PathModel], least: float = 0.02) -> list[PathModel]:
 
 
 def test_no_string_round_a_sphere_is_shorter() -> None:
-    models, lengths, _ = wrapped(thick(many(Sphere, 600)), 40)
+    models, lengths, _ = wrapped(thick(random_models(Sphere, 600)), 40)
     P, S, C, R = (field(models, name) for name in ('origin', 'insertion', 'centre', 'radius'))
-    string = taut(np.stack((P, S), axis=1), off_sphere(C, R), 0.4 * R, 32)
+    string = taut_lengths(np.stack((P, S), axis=1), keep_out_of_sphere(C, R), 0.4 * R, 32)
     # m: the string's parts are up to 3 mm long on a radius of 20 mm or more
     np.testing.assert_allclose(string, lengths, rtol=0, atol=1e-5)
 
 
 def test_no_string_that_turns_right_handed_about_a_cylinder_is_shorter() -> None:
-    models, lengths, _ = wrapped(thick(many(Cylinder, 300)), 40)
+    models, lengths, _ = wrapped(thick(random_models(Cylinder, 300)), 40)
     P, S, C, R = (field(models, name) for name in ('origin', 'insertion', 'centre', 'radius'))
     w = unit(field(models, 'axis'))
-    string = taut(spiral(P, S, C, w, R), off_cylinder(C, w, R), 0.4 * R, 32)
+    string = taut_lengths(
+        spiral_polylines(P, S, C, w, R), keep_out_of_cylinder(C, w, R), 0.4 * R, 32
+    )
     # m: as above, but long helices have longer parts
     np.testing.assert_allclose(string, lengths, rtol=0, atol=5e-5)
 
@@ -83,11 +85,11 @@ def test_no_string_on_any_side_of_a_capped_cylinder_is_shorter() -> None:
     assert (np.bincount(contacts)[1:] >= 8).all()
     P, S, C, R = (field(models, name) for name in ('origin', 'insertion', 'centre', 'radius'))
     w = field(models, 'axis').astype(float)
-    outside = off_capped(C, w, R)
+    outside = keep_out_of_capped_cylinder(C, w, R)
     over = np.stack((P, C + 2.0 * R[:, np.newaxis] * w, S), axis=1)
     strings = [
-        taut(start, outside, 0.4 * R, 24)
-        for start in (spiral(P, S, C, w, R), spiral(P, S, C, -w, R), over)
+        taut_lengths(start, outside, 0.4 * R, 24)
+        for start in (spiral_polylines(P, S, C, w, R), spiral_polylines(P, S, C, -w, R), over)
     ]
     # m: as for a sphere, with longer parts
     np.testing.assert_allclose(np.min(strings, axis=0), lengths, rtol=0, atol=2e-5)
@@ -119,9 +121,9 @@ def test_no_string_on_the_sides_of_two_cylinders_is_shorter() -> None:
     for prefix in ('', 'second_'):
         C, R = field(models, prefix + 'centre'), field(models, prefix + 'radius')
         w = unit(field(models, prefix + 'axis'))
-        keep.append(off_cylinder(C, w, R))
+        keep.append(keep_out_of_cylinder(C, w, R))
         knots.append(C + 1.3 * R[:, np.newaxis] * unit(np.cross(S - P, w)))
-    string = taut(
+    string = taut_lengths(
         np.stack((*knots, S), axis=1), lambda x: keep[1](keep[0](x)), np.full(len(P), 0.006), 32
     )
     # m: a string of 0.3 m has parts of 5 mm

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import reference
-from random_muscles import LEAST, SAME, framed
+from random_muscles import LEAST, SAME, random_muscle_in_frames
 from reference import Array
 from scipy.spatial.transform import Rotation
 
@@ -29,7 +29,7 @@ DELTOID = BroadMuscle.load('deltoid')
 def test_a_muscle_is_as_short_as_the_best_of_a_scan(frame: str) -> None:
     wrapped = 0
     for seed in range(25):
-        muscle, rotations = framed(seed, frame)
+        muscle, rotations = random_muscle_in_frames(seed, frame)
         batch = LinkedPlaneSolver(muscle).solve_batch(rotations)
         scan = reference.total_at(muscle, rotations[:, np.newaxis], reference.circle(720))
         assert (batch.total_length <= scan.min(axis=1) + LEAST).all()
@@ -47,7 +47,7 @@ def test_moment_vectors_are_the_lengths_slopes_the_linked_term_included(frame: s
     # Richardson's central differences; where two steps differ there is a kink, or too sharp a bend
     told = wrapped = linked = 0
     for seed in range(60):
-        muscle, rotations = framed(seed, frame)
+        muscle, rotations = random_muscle_in_frames(seed, frame)
         solver = LinkedPlaneSolver(muscle)
         batch = solver.solve_batch(rotations)
         coarse, fine = slopes(solver, rotations, 2e-3), slopes(solver, rotations, 1e-3)
@@ -73,7 +73,7 @@ def slopes(solver: LinkedPlaneSolver, poses: Array, h: float) -> Array:
 
 
 def test_a_sphere_stands_where_its_frame_has_it() -> None:
-    muscle, rotations = framed(3, 'mixed')
+    muscle, rotations = random_muscle_in_frames(3, 'mixed')
     assert len(muscle.band_names) >= 3
     for rotation in rotations:
         centres = LinkedPlaneSolver(muscle).solve(rotation).sphere_centres
@@ -100,7 +100,7 @@ def test_moving_frames_that_stand_still_are_the_grounds() -> None:
 def test_seen_from_the_humerus_a_sphere_on_it_stands_on_the_ground() -> None:
     # run from their insertions to their origins the bands are as long; the sense of phi turns about
     for seed in range(10):
-        muscle, rotations = framed(seed, 'humerus')
+        muscle, rotations = random_muscle_in_frames(seed, 'humerus')
         seen = replace(
             muscle,
             origins=muscle.insertions,
@@ -119,7 +119,7 @@ def test_seen_from_the_humerus_a_sphere_on_it_stands_on_the_ground() -> None:
 @pytest.mark.parametrize('frame', ['ground', 'humerus', 'mixed'])
 def test_the_left_shoulder_is_the_muscle_mirrored_by_hand(frame: str) -> None:
     for seed in range(6):
-        muscle, rotations = framed(seed, frame)
+        muscle, rotations = random_muscle_in_frames(seed, frame)
         left, mirrored = (
             LinkedPlaneSolver(muscle, 'left'),
             LinkedPlaneSolver(reference.mirrored(muscle)),
@@ -135,7 +135,7 @@ def test_the_left_shoulder_is_the_muscle_mirrored_by_hand(frame: str) -> None:
 def test_a_bands_path_lies_on_its_sphere_in_any_frame() -> None:
     for frame in ('ground', 'humerus', 'mixed'):
         for seed in range(5):
-            muscle, rotations = framed(seed, frame)
+            muscle, rotations = random_muscle_in_frames(seed, frame)
             for state in LinkedPlaneSolver(muscle).solve_batch(rotations):
                 for i in np.flatnonzero(state.wrap == WrapState.WRAPPED):
                     away = state.paths()[i][1:-1] - state.sphere_centres[i]
@@ -146,7 +146,9 @@ def test_a_bands_path_lies_on_its_sphere_in_any_frame() -> None:
 @pytest.mark.skipif(not COMPILED, reason='numba is not installed or LINKEDPLANE_COMPILE is 0')
 def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
     poses = Rotation.random(30, rng=2).as_matrix()
-    muscles = [framed(seed, frame)[0] for frame in (*FRAMES, 'mixed') for seed in (3, 4)]
+    muscles = [
+        random_muscle_in_frames(seed, frame)[0] for frame in (*FRAMES, 'mixed') for seed in (3, 4)
+    ]
     files = [tmp_path / f'{k}.yaml' for k in range(len(muscles))]
     for muscle, file in zip(muscles, files, strict=True):
         muscle.to_yaml(file)

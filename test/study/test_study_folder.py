@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import fault
+from command_line import command_fault
 from optional import requires
 
 from linkedplane_ros.commands.main import main
@@ -24,7 +24,7 @@ def test_a_folder_with_anything_in_it_is_left_alone(
 ) -> None:
     (tmp_path / 'notes.txt').write_text('mine')
     for options in ((), ('--force',)):
-        line = fault(capsys, 'study', tmp_path, *options)
+        line = command_fault(capsys, 'study', tmp_path, *options)
         assert f'{tmp_path}: not empty and no study; only a study is replaced' in line
     assert [path.name for path in tmp_path.iterdir()] == ['notes.txt']
 
@@ -37,12 +37,12 @@ def test_a_study_is_replaced_only_by_force_and_only_if_nothing_else_is_in_it(
     assert main(['study', str(out)]) == 0
     before = (out / 'report.md').read_text()
     capsys.readouterr()
-    assert f'{out}: holds a study; --force to replace it' in fault(capsys, 'study', out)
+    assert f'{out}: holds a study; --force to replace it' in command_fault(capsys, 'study', out)
     assert main(['study', str(out), '--half', '--force']) == 0
     assert (out / 'report.md').read_text() != before
     capsys.readouterr()
     (out / 'figures' / 'mine.svg').write_text('mine')
-    assert 'mine.svg: is not of the study' in fault(capsys, 'study', out, '--force')
+    assert 'mine.svg: is not of the study' in command_fault(capsys, 'study', out, '--force')
     assert (out / 'figures' / 'mine.svg').read_text() == 'mine'
     assert [path.name for path in tmp_path.iterdir()] == ['out']
 
@@ -85,7 +85,7 @@ def test_a_study_that_fails_leaves_what_there_was(
 def test_an_input_at_fault_is_told_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...], reason: str
 ) -> None:
-    assert reason in fault(capsys, 'study', tmp_path / 'out', *options)
+    assert reason in command_fault(capsys, 'study', tmp_path / 'out', *options)
     assert not list(tmp_path.iterdir())
 
 
@@ -93,8 +93,8 @@ def test_a_place_that_cannot_be_written_is_told_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / 'file').write_text('mine')
-    assert 'a file; a folder expected' in fault(capsys, 'study', tmp_path / 'file')
-    assert 'No such file or directory' in fault(capsys, 'study', tmp_path / 'gone' / 'out')
+    assert 'a file; a folder expected' in command_fault(capsys, 'study', tmp_path / 'file')
+    assert 'No such file or directory' in command_fault(capsys, 'study', tmp_path / 'gone' / 'out')
 
 
 def test_wrong_usage_ends_with_2(capsys: pytest.CaptureFixture[str]) -> None:
