@@ -88,7 +88,8 @@ def neighbours(app: Any) -> None:
 
 
 def whole(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
-    """Keep an attribute's docstring whole: napoleon takes what stands before a colon for a type."""
+    """Keep a docstring's words: `(n)` begins no list, and no type stands before a colon."""
+    lines[:] = [re.sub(r'^( *)(\(\w\))', r'\1\\\2', line) for line in lines]
     if what in ('attribute', 'property') and lines:
         lines[0] = f': {lines[0]}'
 
