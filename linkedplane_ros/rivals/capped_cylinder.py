@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import atan2, cos, pi, sin, sqrt
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
 from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
 from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, tube_at, way_round
+from .fields import Turn
 from .path import (
     NO_ARC,
     OBSTACLE,
@@ -33,8 +34,6 @@ from .path import (
 )
 from .sphere import round_sphere
 
-Turn = Literal['right-handed', 'left-handed', 'shorter']
-TURNS = {'right-handed': 1.0, 'left-handed': -1.0, 'shorter': 0.0}
 ENDLESS = 1e300  # m
 PARTS = 12  # in which the seam is searched for the crossing, where it may be missed otherwise
 
@@ -251,12 +250,3 @@ class CappedCylinder(RoundAnAxis):
     turn: Turn = 'right-handed'
     """How the band turns about the axis on the cylinder: the cap alone is taken the short way."""
     kernel = make_kernel(capped_cylinder)
-
-    def __post_init__(self) -> None:
-        """Check the fields; ValueError names the one at fault."""
-        super().__post_init__()
-        if self.turn not in TURNS:
-            raise ValueError(f'turn: {self.turn!r} given, one of {", ".join(TURNS)} expected')
-
-    def _obstacle(self) -> tuple[float, ...]:
-        return (*super()._obstacle(), TURNS[self.turn])

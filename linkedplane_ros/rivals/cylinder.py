@@ -18,16 +18,8 @@ from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
-from .bands import (
-    Bone,
-    PathModel,
-    check_axis,
-    check_bone,
-    check_point,
-    check_radius,
-    on_humerus,
-    unit,
-)
+from .bands import PathModel
+from .fields import Bone
 from .path import (
     NO_ARC,
     OBSTACLE,
@@ -147,7 +139,7 @@ def cylinder(row: Row, rotation: Rotation) -> Path:
 
 @dataclass(frozen=True)
 class RoundAnAxis(PathModel):
-    """What the models with a cylinder have in common."""
+    """What the models with a cylinder have in common: the first one."""
 
     centre: Vector
     """A point of the axis, in the frame of its bone."""
@@ -155,27 +147,7 @@ class RoundAnAxis(PathModel):
     """Of any length but 0."""
     radius: float
     bone: Bone
-
-    def __post_init__(self) -> None:
-        """Check the fields; ValueError names the one at fault."""
-        super().__post_init__()
-        check_cylinder('', self.centre, self.axis, self.radius, self.bone)
-
-    def _obstacle(self) -> tuple[float, ...]:
-        return cylinder_numbers(self.centre, self.axis, self.radius, self.bone)
-
-
-def check_cylinder(prefix: str, centre: Vector, axis: Vector, radius: float, bone: str) -> None:
-    """Refuse what makes no cylinder; ValueError names the field behind the prefix."""
-    check_point(f'{prefix}centre', centre)
-    check_axis(f'{prefix}axis', axis)
-    check_radius(f'{prefix}radius', radius)
-    check_bone(f'{prefix}bone', bone)
-
-
-def cylinder_numbers(centre: Vector, axis: Vector, radius: float, bone: Bone) -> tuple[float, ...]:
-    """Return a cylinder as `tube_at` reads it."""
-    return (*centre, *unit(axis), radius, on_humerus(bone))
+    """The cylinder's."""
 
 
 @dataclass(frozen=True)

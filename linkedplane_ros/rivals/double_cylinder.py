@@ -14,19 +14,17 @@ from dataclasses import dataclass
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Rotation, Vector, dot, minus, mix, norm
-from .bands import Bone
 from .cylinder import (
     CYLINDER_SIZE,
     RoundAnAxis,
     Tube,
     Way,
-    check_cylinder,
-    cylinder_numbers,
     inside,
     straight_way,
     tube_at,
     way_round,
 )
+from .fields import Bone
 from .path import OBSTACLE, ZERO, Path, Row, ends, make_kernel, moment_of, straight_path
 
 ROUNDS = 100
@@ -109,15 +107,3 @@ class DoubleCylinder(RoundAnAxis):
     second_radius: float
     second_bone: Bone
     kernel = make_kernel(double_cylinder)
-
-    def __post_init__(self) -> None:
-        """Check the fields; ValueError names the one at fault."""
-        super().__post_init__()
-        check_cylinder('second_', *self._second)
-
-    @property
-    def _second(self) -> tuple[Vector, Vector, float, Bone]:
-        return self.second_centre, self.second_axis, self.second_radius, self.second_bone
-
-    def _obstacle(self) -> tuple[float, ...]:
-        return (*super()._obstacle(), *cylinder_numbers(*self._second))

@@ -26,10 +26,11 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleState
 from ..types import Floats
-from .bands import Bands, Bone, PathModel
+from .bands import Bands, PathModel
 from .capped_cylinder import CappedCylinder
 from .cylinder import Cylinder
 from .double_cylinder import DoubleCylinder
+from .fields import Bone
 from .sphere import Sphere
 from .straight import Straight, ViaPoints
 

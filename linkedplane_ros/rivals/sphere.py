@@ -14,7 +14,8 @@ from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind,
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, times
-from .bands import Bone, PathModel, check_bone, check_point, check_radius, on_humerus
+from .bands import PathModel
+from .fields import Bone
 from .path import (
     NO_ARC,
     OBSTACLE,
@@ -71,13 +72,3 @@ class Sphere(PathModel):
     radius: float
     bone: Bone
     kernel = make_kernel(sphere)
-
-    def __post_init__(self) -> None:
-        """Check the fields; ValueError names the one at fault."""
-        super().__post_init__()
-        check_point('centre', self.centre)
-        check_radius('radius', self.radius)
-        check_bone('bone', self.bone)
-
-    def _obstacle(self) -> tuple[float, ...]:
-        return (*self.centre, self.radius, on_humerus(self.bone))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,7 @@ from ..linked_planes.band import CLEAR, WRAPPED
 from ..linked_planes.compiled import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Rotation, Vector, cross, minus, norm, times, turned
-from .bands import PathModel, check_point
+from .bands import PathModel
 from .path import (
     NO_ARC,
     OBSTACLE,
@@ -79,9 +80,6 @@ class Straight(PathModel):
 
     kernel = make_kernel(straight)
 
-    def _obstacle(self) -> tuple[float, ...]:
-        return ()
-
 
 @dataclass(frozen=True)
 class ViaPoints(PathModel):
@@ -98,18 +96,21 @@ class ViaPoints(PathModel):
     kernel = make_kernel(via_points, write_points)
     arcs_are_points = True
 
-    def __post_init__(self) -> None:
-        """Check the fields; ValueError names the one at fault."""
-        super().__post_init__()
-        for name in ('on_scapula', 'on_humerus'):
-            for i, point in enumerate(getattr(self, name)):
-                check_point(f'{name}[{i}]', point)
+    @property
+    def row(self) -> tuple[float, ...]:
+        """Attachments, how many points there are on each bone, the points."""
+        numbers = super().row
+        counts = float(len(self.on_scapula)), float(len(self.on_humerus))
+        return (*numbers[:OBSTACLE], *counts, *numbers[OBSTACLE:])
 
     @property
     def most_arcs(self) -> int:
         """Via points."""
         return len(self.on_scapula) + len(self.on_humerus)
 
-    def _obstacle(self) -> tuple[float, ...]:
-        points = [x for point in (*self.on_scapula, *self.on_humerus) for x in point]
-        return (float(len(self.on_scapula)), float(len(self.on_humerus)), *points)
+    def _fields(self) -> Iterator[tuple[str, Any]]:
+        for name, value in super()._fields():
+            if name in ('on_scapula', 'on_humerus'):
+                yield from ((f'{name}[{i}]', point) for i, point in enumerate(value))
+            else:
+                yield name, value

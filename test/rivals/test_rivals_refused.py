@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from random_bands import Model, random_model, random_models
 
+from linkedplane_ros import LinkedPlaneError
 from linkedplane_ros.rivals import (
     Bands,
     CappedCylinder,
@@ -26,8 +27,12 @@ STILL = np.eye(3)
     [
         (Straight, {'origin': (0.0, 0.0)}, r'origin: \(0.0, 0.0\) given, 3 finite numbers in m'),
         (Straight, {'insertion': (0.0, 0.0, np.inf)}, r'insertion: .* given, 3 finite numbers'),
+        (Straight, {'origin': 'abc'}, "origin: 'abc' given, 3 finite numbers in m expected"),
+        (Straight, {'origin': None}, 'origin: None given, 3 finite numbers in m expected'),
         (ViaPoints, {'on_humerus': ((0.0, np.nan, 0.0),)}, r'on_humerus\[0\]: .* given'),
         (Sphere, {'radius': 0.0}, r'radius: 0.0 given, a finite length > 0 in m expected'),
+        (Sphere, {'radius': '1'}, "radius: '1' given, a finite length > 0 in m expected"),
+        (Sphere, {'bone': ['ulna']}, r"bone: \['ulna'\] given, 'scapula' or 'humerus' expected"),
         (Sphere, {'bone': 'ulna'}, "bone: 'ulna' given, 'scapula' or 'humerus' expected"),
         (Cylinder, {'axis': (0.0, 0.0, 0.0)}, r'axis: .* given, 3 finite numbers, not all 0'),
         (DoubleCylinder, {'second_radius': np.nan}, 'second_radius: nan given'),
@@ -35,7 +40,7 @@ STILL = np.eye(3)
     ],
 )
 def test_a_model_that_is_none_is_refused(kind: Model, changed: dict, said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(LinkedPlaneError, match=said):
         replace(random_model(kind, np.random.default_rng(0)), **changed)
 
 
@@ -51,6 +56,6 @@ def test_bands_are_of_one_kind_and_poses_are_rotations() -> None:
         straight[0].solve(2.0 * STILL)
     with pytest.raises(ValueError, match=r'rotations\[1\]: its determinant is -1'):
         Bands(straight).solve_batch([STILL, -STILL])
-    with pytest.raises(ValueError, match='points: 1 given, at least 2 needed'):
+    with pytest.raises(ValueError, match='points: 1 given, at least 2 expected'):
         straight[0].solve(STILL).path(1)
     assert len(Bands(straight).solve_batch([])) == 0
