@@ -41,7 +41,7 @@ class PassThrough(Node):
         muscle = BroadMuscle.load('deltoid')
         self.state = LinkedPlaneSolver(muscle).solve(np.eye(3))
         self.markers = MuscleMarkers(muscle, 'scapula', 16)
-        self.pace = RateLimiter(30.0)
+        self.limiter = RateLimiter(30.0)
         self.answers = Answers(muscle.band_names, ('x', 'y', 'z'), 'scapula')
         self.outputs = {
             topic.name: self.create_publisher(
@@ -67,7 +67,7 @@ class PassThrough(Node):
             stamp, state, state.moment_vectors, state.lengths
         ).items():
             outputs[name].publish(answer)
-        if outputs['markers'].get_subscription_count() and self.pace.allows(
+        if outputs['markers'].get_subscription_count() and self.limiter.allows(
             stamp.sec + 1e-9 * stamp.nanosec, perf_counter()
         ):
             outputs['markers'].publish(self.markers.update(state, stamp))

@@ -24,6 +24,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
+from ..errors import LinkedPlaneError
 from ..joints.joint_state import JointMemory, Rejected
 from ..linked_planes.compiled import COMPILED
 from . import qos
@@ -113,7 +114,7 @@ class MuscleStatePublisher(Node):
                 for name in names:
                     if name not in kept:
                         opened[name] = MuscleOutputs(self, name)
-        except ValueError:
+        except LinkedPlaneError:
             for muscle in opened.values():
                 muscle.close()
             raise
@@ -128,7 +129,7 @@ class MuscleStatePublisher(Node):
         try:
             settings = Settings.from_values(self._merge_values(changes), may_fail)
             self._candidate = settings, self._open_outputs(settings)
-        except ValueError as error:
+        except LinkedPlaneError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
@@ -192,7 +193,7 @@ def main(args: list[str] | None = None) -> None:
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except ValueError as error:
+    except LinkedPlaneError as error:
         sys.exit(f'muscle_state_publisher: {error}')
     except (RCLError, InvalidHandle):
         if rclpy.ok():  # otherwise the signal came in the middle of a call

@@ -13,6 +13,7 @@ from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 
 from ..drawing.shapes import RateLimiter
+from ..errors import LinkedPlaneError
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import Rejected
 from ..linked_planes.compiled import COMPILED
@@ -65,7 +66,7 @@ class MuscleOutputs:
         self._markers = MuscleMarkers(
             muscle, settings.frame_id, settings.markers_points, settings.markers_details
         )
-        self._pace = RateLimiter(settings.markers_rate)
+        self._limiter = RateLimiter(settings.markers_rate)
         self._answers = Answers(
             muscle.band_names, settings.convention.coordinates, settings.frame_id
         )
@@ -116,7 +117,7 @@ class MuscleOutputs:
         tally.last_arrival = start
         try:
             answer = self._solver.answer(self._convention, angles, speeds or STILL)
-        except ValueError as error:
+        except LinkedPlaneError as error:
             self._count_rejection(Rejected('no_plane', str(error)))
             self._logger.warning(f'joint state not used: {error}', throttle_duration_sec=THROTTLE)
             return perf_counter()
@@ -126,7 +127,7 @@ class MuscleOutputs:
         messages = self._answers.update(stamp, state, answer.moment_arms, lengthening)
         for name, message in messages.items():
             topics[name].publish(message)
-        if topics['markers'].get_subscription_count() and self._pace.allows(
+        if topics['markers'].get_subscription_count() and self._limiter.allows(
             stamp.sec + 1e-9 * stamp.nanosec, start
         ):
             self._publish_markers(state, stamp)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...errors import LinkedPlaneError
 from ...joints.conventions import JointConvention
 from ...joints.rotations import rotation_about
 from ...types import Floats, Intervals
@@ -37,7 +38,7 @@ def end_poses(convention: JointConvention) -> dict[str, Floats]:
     for name, (axis, angle) in CASE_STUDY.items():
         try:
             poses[name] = convention.angles(rotation_about(np.array(axis), angle)) + 0.0
-        except ValueError:
+        except LinkedPlaneError:
             continue
     return poses
 
