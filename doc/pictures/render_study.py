@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from linkedplane_ros.study.interference import PRINTED, REVERSED_Z, check
-from linkedplane_ros.study.pictures import charts, figures
+from linkedplane_ros.drawing.figure_files import house_style
+from linkedplane_ros.study.interference import PRINTED, REVERSED_Z, check_experiments
+from linkedplane_ros.study.pictures import charts, poses
 from linkedplane_ros.study.subject import Subject
 
 DPI = 120
@@ -20,10 +21,13 @@ def main(folder: Path) -> None:
     from PIL import Image
 
     subject = Subject.load('deltoid')
-    readings = {PRINTED: subject, REVERSED_Z: subject.read_as(REVERSED_Z)}
-    checks = {name: (each, check(each.experiments)) for name, each in readings.items()}
-    with figures.drawing():
-        made = {'fidelity': charts.fidelity(subject), 'interference': figures.entries(checks)}
+    readings = {PRINTED: subject, REVERSED_Z: subject.with_frame_reading(REVERSED_Z)}
+    checks = {name: (each, check_experiments(each.experiments)) for name, each in readings.items()}
+    with house_style():
+        made = {
+            'fidelity': charts.fidelity_figure(subject),
+            'interference': poses.entries_figure(checks),
+        }
         for name, figure in made.items():
             path = folder / f'{name}.png'
             figure.savefig(path, dpi=DPI)

@@ -25,11 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> None:
     """Do the thesis's case study again, with a report."""
     from ..study.experiments import HALF
-    from ..study.report import REPORT, refuse, write
+    from ..study.report import REPORT, check_folder, write_study
     from ..study.subject import Subject
 
     folder = Path(args.outdir)
-    refuse(folder, args.force)
+    check_folder(folder, args.force)
     subject = Subject.load(args.muscle, HALF if args.half else 1.0, args.spheres)
-    write(subject, folder, args.force, animated=not args.no_animation)
+    write_study(subject, folder, args.force, animated=not args.no_animation)
     print(folder / REPORT)

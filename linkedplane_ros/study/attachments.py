@@ -1,4 +1,4 @@
-"""Where the muscle is attached: the bands, the whole span of s, and the thesis's own tables."""
+"""Where the muscle is attached: its bands, the whole span of s, and the thesis's own tables."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import METRES, Listed
-from ..types import Floats
+from ..types import Floats, Point
 from .literature import PrintedPoint, printed_positions
 
 SPAN = 41  # points drawn of the whole span
-AGREES = 1e-8  # m: what the thesis's tables and its polynomials may differ by (errata 1 to 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,35 +24,36 @@ class Attachments:
 
 
 @dataclass(frozen=True)
-class Position:
+class ComparedPosition:
     """A band's origin or insertion beside what the thesis prints for it; m."""
 
     band: str
     s: float
-    point: tuple[float, float, float]
+    point: Point
     printed: PrintedPoint
 
     @property
-    def off(self) -> float:
+    def deviation(self) -> float:
         """The largest difference of a coordinate from the printed one, m."""
         return float(np.abs(np.subtract(self.point, self.printed.point)).max())
 
 
-def of_bands(muscle: BroadMuscle) -> Attachments:
+def band_attachments(muscle: BroadMuscle) -> Attachments:
     """Return the attachments of a muscle's bands."""
     return Attachments(muscle.definition.s_of_bands, muscle.origins, muscle.insertions)
 
 
-def of_whole_span(muscle: BroadMuscle) -> Attachments:
-    """Return the attachments over all of s; for any but the published deltoid, from band to band.
+def span_attachments(muscle: BroadMuscle) -> Attachments:
+    """Return the attachments over the whole span of s.
 
-    Only there it is known that the polynomials hold from s = 0 to 1 (thesis ch. 5). Attachments
-    that are listed are those of the bands.
+    For the published deltoid it is known that the polynomials hold from s = 0 to 1 (thesis ch. 5);
+    for any other muscle the span is from the first band to the last. Attachments that the model
+    lists are those of the bands.
     """
     definition = muscle.definition
     curves = (*definition.origin, *definition.insertion)
     if any(isinstance(curve, Listed) for curve in curves):
-        return of_bands(muscle)
+        return band_attachments(muscle)
     first, last = (0.0, 1.0) if is_published(muscle) else definition.s_of_bands[[0, -1]].tolist()
     s = np.linspace(first, last, SPAN)
     points = METRES[definition.length] * np.array([curve.evaluate(s) for curve in curves])
@@ -61,7 +61,7 @@ def of_whole_span(muscle: BroadMuscle) -> Attachments:
 
 
 def is_published(muscle: BroadMuscle) -> bool:
-    """Return whether a muscle is, to the bit, the thesis's deltoid."""
+    """Return whether a muscle is the thesis's deltoid, exactly."""
     thesis = BroadMuscle.load('deltoid')
     return all(
         np.array_equal(getattr(muscle, field), getattr(thesis, field))
@@ -72,15 +72,20 @@ def is_published(muscle: BroadMuscle) -> bool:
     )  # fmt: skip
 
 
-def positions(muscle: BroadMuscle, table: str) -> list[Position]:
-    """Return the thesis's Table '6.2.1' (origins) or '6.2.2' (insertions), done again.
+def compare_positions(muscle: BroadMuscle, table: str) -> list[ComparedPosition]:
+    """Return a muscle's attachments beside those that the thesis prints.
 
-    ValueError unless the model has as many bands as the table.
+    Parameters
+    ----------
+    muscle
+        The published deltoid: as many bands as the table has.
+    table
+        '6.2.1', the origins, or '6.2.2', the insertions.
     """
-    ours = of_bands(muscle)
+    ours = band_attachments(muscle)
     points = ours.origins if table == '6.2.1' else ours.insertions
     return [
-        Position(band, s, (x, y, z), printed)
+        ComparedPosition(band, s, (x, y, z), printed)
         for band, s, (x, y, z), printed in zip(
             muscle.band_names, ours.s.tolist(), points.tolist(), printed_positions(table),
             strict=True,

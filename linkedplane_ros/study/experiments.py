@@ -14,25 +14,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..errors import LinkedPlaneError
 from ..joints.rotations import rotation_about
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleStates
-from ..types import Floats
+from ..types import Floats, Point
 
-MILLIMETRES = 1e3  # in a metre
 STEP = math.radians(10.0)  # from pose to pose (thesis ch. 5)
 CUBIC = 3  # the degree of the polynomial through a length curve (thesis ch. 5)
 HALF = 0.5  # simulated moment arms, before the thesis compares them with elderly cadavers (ch. 5)
 
 
 @dataclass(frozen=True)
-class Motion:
-    """A turn of the humerus from the arm at the side about an axis of the scapula."""
+class AxisMotion:
+    """A rotation of the humerus, from the arm at the side, about an axis fixed in the scapula."""
 
     name: str
-    axis: tuple[float, float, float]
-    """Unit, scapula frame; the turn about it is right-handed."""
+    axis: Point
+    """Unit vector, scapula frame; the rotation about it is right-handed."""
     last: float
     """The largest angle, rad."""
 
@@ -40,17 +40,17 @@ class Motion:
         """Return the angles (m,), rad, from 0 to the last one."""
         return np.linspace(0.0, self.last, round(self.last / step) + 1)
 
-    def turned(self, angle: float) -> Motion:
-        """Return the same motion in a plane turned about the vertical (z) by an angle, rad."""
+    def rotate(self, angle: float) -> AxisMotion:
+        """Return the same motion in a plane rotated about the vertical (z) by an angle, rad."""
         x, y, z = (rotation_about(np.array((0.0, 0.0, 1.0)), angle) @ self.axis).tolist()
         return replace(self, axis=(x, y, z))
 
 
 # Axes and ranges of thesis ch. 5. Scaption is about the axis 30 deg lateral of posterior.
 MOTIONS = (
-    Motion('flexion', (1.0, 0.0, 0.0), math.radians(80.0)),
-    Motion('abduction', (0.0, -1.0, 0.0), math.radians(90.0)),
-    Motion('scaption', (0.5, -math.sqrt(0.75), 0.0), math.radians(60.0)),
+    AxisMotion('flexion', (1.0, 0.0, 0.0), math.radians(80.0)),
+    AxisMotion('abduction', (0.0, -1.0, 0.0), math.radians(90.0)),
+    AxisMotion('scaption', (0.5, -math.sqrt(0.75), 0.0), math.radians(60.0)),
 )
 
 
@@ -58,14 +58,14 @@ MOTIONS = (
 class Experiment:
     """A motion and the muscle at each of its m poses; n bands."""
 
-    motion: Motion
+    motion: AxisMotion
     angles: Floats
     """(m,) rad"""
     states: MuscleStates
     arms: Floats
-    """(m, n) exact moment arms about the motion's axis, m, scaled."""
+    """(m, n) exact moment arms about the motion's axis, m, multiplied by `scale`."""
     scale: float
-    """What the moment arms were multiplied by; 1, or the thesis's HALF. Lengths never are."""
+    """The factor of the moment arms: 1, or the thesis's HALF. Lengths are never scaled."""
 
     @property
     def lengths(self) -> Floats:
@@ -74,22 +74,39 @@ class Experiment:
 
     @property
     def cubic_arms(self) -> Floats:
-        """(m, n) moment arms as the thesis has them, m, scaled."""
+        """(m, n) moment arms as the thesis computes them, m, multiplied by `scale`."""
         return self.scale * cubic_arms(self.angles, self.lengths)
 
     def column(self, head: str) -> int:
-        """Return the column of the band that represents a head."""
+        """Return the index of the band that represents a head."""
         muscle = self.states.solver.muscle
         (band,) = (each.represented_by for each in muscle.heads if each.name == head)
         return muscle.band_names.index(band)
 
 
-def simulate(
-    solver: LinkedPlaneSolver, motion: Motion, angles: Floats | None = None, scale: float = 1.0
+def simulate_motion(
+    solver: LinkedPlaneSolver,
+    motion: AxisMotion,
+    angles: Floats | None = None,
+    scale: float = 1.0,
 ) -> Experiment:
-    """Solve a motion at its angles (m,), rad; by default every 10 deg.
+    """Solve a motion.
 
-    ValueError where a band has no plane at a pose.
+    Parameters
+    ----------
+    solver
+        Of the right shoulder.
+    motion
+        What is moved.
+    angles
+        (m,) rad; None: every 10 deg.
+    scale
+        What the moment arms are multiplied by.
+
+    Raises
+    ------
+    LinkedPlaneError
+        Where a band has no plane at a pose.
     """
     angles = motion.angles() if angles is None else angles
     axis = np.array(motion.axis)
@@ -98,22 +115,38 @@ def simulate(
     return Experiment(motion, angles, states, scale * (states.moment_vectors @ axis), scale)
 
 
-def simulate_all(
-    muscle: BroadMuscle, motions: Sequence[Motion] = MOTIONS, scale: float = 1.0
+def simulate_motions(
+    muscle: BroadMuscle, motions: Sequence[AxisMotion] = MOTIONS, scale: float = 1.0
 ) -> list[Experiment]:
-    """Solve the motions every 10 deg; 26 poses for the three of the thesis, neutral thrice."""
+    """Solve motions every 10 deg: 26 poses for the thesis's three, the arm at the side in each."""
     solver = LinkedPlaneSolver(muscle)
-    return [simulate(solver, motion, scale=scale) for motion in motions]
+    return [simulate_motion(solver, motion, scale=scale) for motion in motions]
 
 
 def cubic_arms(angles: Floats, lengths: Floats) -> Floats:
-    """Return moment arms (m, n), m: of lengths (m, n), m, at angles (m,), rad, m at least 4.
+    """Return moment arms as the thesis computes them: a cubic through each length curve, derived.
 
-    A cubic through each length curve, by least squares, differentiated: r = -dL/dq (thesis ch. 5,
-    eq. 5.1; the thesis gives no sign, this one is ours and OpenSim's).
+    r = -dL/dq (thesis ch. 5, eq. 5.1; the thesis gives no sign, this one is ours and OpenSim's).
+
+    Parameters
+    ----------
+    angles
+        (m,) rad, at least 4.
+    lengths
+        (m, n) m.
+
+    Returns
+    -------
+    arms
+        (m, n) m.
+
+    Raises
+    ------
+    LinkedPlaneError
+        For fewer angles.
     """
     if len(angles) <= CUBIC:
-        raise ValueError(f'{len(angles)} poses; more than {CUBIC} expected, for a cubic')
+        raise LinkedPlaneError(f'{len(angles)} poses; more than {CUBIC} expected, for a cubic')
     arms = np.empty(lengths.shape)
     for k, column in enumerate(lengths.T):
         cubic = np.polynomial.Polynomial.fit(angles, column, CUBIC)

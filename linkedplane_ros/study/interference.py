@@ -18,15 +18,15 @@ from ..muscle.file import read_interference_spheres
 from ..muscle.mapping import parse_yaml, read_text
 from ..muscle.parts import METRES
 from ..solver.interference import depths
-from ..types import Floats
-from .experiments import Experiment, simulate_all
+from ..types import Floats, Point
+from .experiments import Experiment
 
 PRINTED = 'as printed'
 REVERSED_Z = 'z reversed'
 REVERSED_ZY = 'z reversed, y with it'
-# What of the obstacle spheres' moving frame each reading turns round (erratum 9): a cross product
-# with its factors swapped reverses z; and with z also y, if y = z cross x is then taken at its word
-READINGS = {
+# Which axes of the obstacle spheres' moving frame each reading reverses (erratum 9): swapping the
+# factors of a cross product reverses z; and with z also y, if y = z cross x is taken literally
+FRAME_READINGS = {
     PRINTED: (1.0, 1.0, 1.0),
     REVERSED_Z: (1.0, 1.0, -1.0),
     REVERSED_ZY: (1.0, -1.0, -1.0),
@@ -34,7 +34,7 @@ READINGS = {
 
 
 @dataclass(frozen=True)
-class Entry:
+class SphereEntry:
     """A band that touches or enters a sphere at a pose."""
 
     motion: str
@@ -43,8 +43,8 @@ class Entry:
     band: str
     sphere: str
     depth: float
-    """By which the path passes under the sphere's surface, m."""
-    point: tuple[float, float, float]
+    """How far the path passes under the sphere's surface, m."""
+    point: Point
     """The path's point nearest to the sphere's centre, scapula frame, m."""
     wrap: int
     """The band's WrapState."""
@@ -52,13 +52,13 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Checks:
-    """All checks of one reading of a muscle: every pose of the motions, band and sphere."""
+    """Which bands enter which spheres: at every pose of the motions, n bands and k spheres."""
 
     experiments: Sequence[Experiment]
     spheres: tuple[str, ...]
     """(k)"""
     depths: Sequence[Floats]
-    """For each motion (m, n, k), m: a sphere's radius less the path's distance from its centre."""
+    """For each motion (m, n, k), m: a sphere's radius minus the path's distance from its centre."""
     points: Sequence[Floats]
     """For each motion (m, n, k, 3), m: the path's nearest points."""
 
@@ -69,11 +69,11 @@ class Checks:
 
     @property
     def poses(self) -> int:
-        """How many poses there were; the arm at the side counts with every motion."""
+        """How many poses there were; the arm at the side counts in every motion."""
         return sum(len(each) for each in self.depths)
 
     @property
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[SphereEntry]:
         """All entries, by motion, angle, band and sphere."""
         return list(self._entries())
 
@@ -92,47 +92,42 @@ class Checks:
         """(n,) The deepest entry of each band, m; negative: the least clearance."""
         return np.asarray(np.max([each.max(axis=(0, 2)) for each in self.depths], axis=0))
 
-    def _entries(self) -> Iterator[Entry]:
+    def _entries(self) -> Iterator[SphereEntry]:
         for one, deep, points in zip(self.experiments, self.depths, self.points, strict=True):
             names = one.states.solver.muscle.band_names
-            for at, band, sphere in np.argwhere(deep >= 0.0).tolist():
-                x, y, z = points[at, band, sphere].tolist()
-                yield Entry(
+            for pose, band, sphere in np.argwhere(deep >= 0.0).tolist():
+                x, y, z = points[pose, band, sphere].tolist()
+                yield SphereEntry(
                     one.motion.name,
-                    float(one.angles[at]),
+                    float(one.angles[pose]),
                     names[band],
                     self.spheres[sphere],
-                    float(deep[at, band, sphere]),
+                    float(deep[pose, band, sphere]),
                     (x, y, z),
-                    int(one.states.wrap[at, band]),
+                    int(one.states.wrap[pose, band]),
                 )
 
 
-def check(experiments: Sequence[Experiment]) -> Checks:
-    """Check all poses of the experiments for the interference spheres of their muscle."""
+def check_experiments(experiments: Sequence[Experiment]) -> Checks:
+    """Check the bands at all poses of experiments against the muscle's interference spheres."""
     entered, nearest = [], []
     muscle = experiments[0].states.solver.muscle
     for one in experiments:
-        found = [depths(state) for state in one.states]
-        entered.append(np.array([depth for depth, _ in found]))
-        nearest.append(np.array([places for _, places in found]))
+        pairs = [depths(state) for state in one.states]
+        entered.append(np.array([depth for depth, _ in pairs]))
+        nearest.append(np.array([places for _, places in pairs]))
     return Checks(experiments, muscle.interference_names, entered, nearest)
 
 
-def check_reading(muscle: BroadMuscle, reading: str) -> Checks:
-    """Check a muscle in one of the READINGS of its obstacle spheres' moving frame."""
-    return check(simulate_all(read_as(muscle, reading)))
+def apply_reading(muscle: BroadMuscle, reading: str) -> BroadMuscle:
+    """Return a muscle with one of the FRAME_READINGS of its obstacle spheres' moving frame.
 
-
-def read_as(muscle: BroadMuscle, reading: str) -> BroadMuscle:
-    """Return a muscle in one of the READINGS of its obstacle spheres' moving frame.
-
-    To turn an axis of the frame round is to change the sign of that coordinate of the centres.
+    Reversing an axis of the frame changes the sign of that coordinate of the centres.
     """
-    return replace(muscle, sphere_centres=muscle.sphere_centres * READINGS[reading])
+    return replace(muscle, sphere_centres=muscle.sphere_centres * FRAME_READINGS[reading])
 
 
-def with_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
+def add_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
     """Return a muscle with the further interference spheres of a file.
 
     The file has `units: {length: mm}` and the key `interference_spheres` of a model file.

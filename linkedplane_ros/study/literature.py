@@ -1,4 +1,4 @@
-"""Figures of others: measured and modelled moment arms of the deltoid, and the thesis's tables.
+"""Numbers of others: measured and modelled moment arms of the deltoid, and the thesis's tables.
 
 Sources, licences and limits: linkedplane_ros/literature/README.md. The files are in mm and deg;
 what is returned here is in m and rad.
@@ -15,16 +15,16 @@ from importlib import resources
 
 import numpy as np
 
-from ..types import Floats
+from ..types import Floats, Point
 
 HEADS = ('anterior', 'middle', 'posterior')
 METRES = 1e-3  # in a millimetre
 RHYTHM = '+r'  # ends the name of a model whose scapula follows the arm
-OWN = 'LP'  # begins the names of this project's model in the table of models
+OWN_PREFIX = 'LP'  # begins the names of this project's model in the table of models
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class AngleCurve:
     """A quantity over a motion's angle."""
 
     angles: Floats
@@ -33,7 +33,7 @@ class Curve:
     """(k,) m; a moment arm is positive where shortening carries the motion on."""
 
 
-Curves = Mapping[tuple[str, str], Curve]
+Curves = Mapping[tuple[str, str], AngleCurve]
 """By head and motion."""
 
 
@@ -42,34 +42,41 @@ class PrintedPoint:
     """An attachment as the thesis prints it."""
 
     s: float
-    point: tuple[float, float, float]
+    point: Point
     """m"""
     erratum: str
     """What is wrong with the row; empty if nothing is."""
 
 
 @cache
-def measured() -> Curves:
+def measured_arms() -> Curves:
     """Return the moment arms that Ackland et al. 2008 measured, in flexion and abduction."""
-    return _curves(rows('ackland2008_deltoid_moment_arms.csv'), 'head', 'moment_arm_mm')
+    return _curves(read_rows('ackland2008_deltoid_moment_arms.csv'), 'head', 'moment_arm_mm')
 
 
 @cache
-def published(quantity: str = 'moment_arm_mm') -> Mapping[str, Curves]:
-    """Return moment arms (or 'length_mm') of published models by name; LP ... are this project's.
+def published_curves(quantity: str = 'moment_arm_mm') -> Mapping[str, Curves]:
+    """Return curves of published models, by the model's name; LP ... are this project's.
 
     The angle is glenohumeral; with RHYTHM in the name it is that of the arm against the thorax.
+
+    Parameters
+    ----------
+    quantity
+        'moment_arm_mm' or 'length_mm': a quantity of the table. The curves are in m and rad.
     """
-    table = [row for row in rows('published_models_deltoid.csv') if row['quantity'] == quantity]
+    table = [
+        row for row in read_rows('published_models_deltoid.csv') if row['quantity'] == quantity
+    ]
     for row in table:
         row['motion'] = row['motion'].split(' ')[0]
     names = [n for n in table[0] if n not in ('motion', 'part', 'angle_deg', 'quantity')]
     return {name: _curves(table, 'part', name) for name in names}
 
 
-def rivals() -> list[str]:
+def published_models() -> list[str]:
     """Return the names of the published models that are not this project's."""
-    return [name for name in published() if not name.startswith(OWN)]
+    return [name for name in published_curves() if not name.startswith(OWN_PREFIX)]
 
 
 @cache
@@ -85,21 +92,21 @@ def printed_positions(table: str) -> tuple[PrintedPoint, ...]:
             ),
             row['erratum'],
         )
-        for row in rows('xu_tables_6_2.csv')
+        for row in read_rows('xu_tables_6_2.csv')
         if row['table'] == table
     )
 
 
-def rows(file: str) -> list[dict[str, str]]:
+def read_rows(file: str) -> list[dict[str, str]]:
     """Return the rows of one of the package's tables of literature."""
     place = resources.files('linkedplane_ros') / 'literature' / file
     return list(csv.DictReader(place.read_text(encoding='utf-8').splitlines()))
 
 
 def _curves(table: list[dict[str, str]], head: str, value: str) -> Curves:
-    found: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    points: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for row in table:
         key = row[head], row['motion']
         angle = math.radians(float(row['angle_deg']))
-        found.setdefault(key, []).append((angle, METRES * float(row[value])))
-    return {key: Curve(*np.array(points).T) for key, points in found.items()}
+        points.setdefault(key, []).append((angle, METRES * float(row[value])))
+    return {key: AngleCurve(*np.array(rows).T) for key, rows in points.items()}

@@ -13,23 +13,23 @@ from inspect import cleandoc
 from pathlib import Path
 
 from .. import __version__
+from ..drawing.figure_files import house_style
 from ..errors import RecordingError
 from ..files import remove_path
-from .chapters import experiments as experiments_chapter
-from .chapters import fidelity as fidelity_chapter
-from .chapters import interference as interference_chapter
-from .chapters import model as model_chapter
-from .chapters import rivals as rivals_chapter
-from .chapters.parts import Chapter, Part, Picture, Table
-from .pictures.figures import drawing
+from .chapters.experiments import experiments_chapter
+from .chapters.fidelity import fidelity_chapter
+from .chapters.interference import interference_chapter
+from .chapters.model import model_chapter
+from .chapters.parts import Chapter, Part, PicturePart, TablePart
+from .chapters.rivals import rivals_chapter
 from .subject import Subject
 
 CHAPTERS: Sequence[Callable[[Subject], Chapter]] = (
-    model_chapter.chapter,
-    experiments_chapter.chapter,
-    interference_chapter.chapter,
-    fidelity_chapter.chapter,
-    rivals_chapter.chapter,
+    model_chapter,
+    experiments_chapter,
+    interference_chapter,
+    fidelity_chapter,
+    rivals_chapter,
 )
 
 REPORT = 'report.md'
@@ -38,14 +38,27 @@ PATTERNS = (REPORT, 'tables/*.csv', 'figures/*.png', 'figures/*.gif')  # what a 
 DPI = 200  # of the figures
 
 
-def write(subject: Subject, folder: Path, force: bool = False, animated: bool = True) -> None:
-    """Write a study into a folder that is empty or not there, or, with force, holds a study.
+def write_study(subject: Subject, folder: Path, force: bool = False, animated: bool = True) -> None:
+    """Write a study; the folder gets its content when all is complete.
 
-    Nothing is seen there before all is done. RecordingError if the folder holds anything else, or
-    cannot be written.
+    Parameters
+    ----------
+    subject
+        The muscle under study.
+    folder
+        Where: empty, or not there yet.
+    force
+        Whether a study that the folder holds is replaced.
+    animated
+        Whether flexion is drawn as a GIF.
+
+    Raises
+    ------
+    RecordingError
+        If the folder holds anything else, or cannot be written.
     """
-    refuse(folder, force)
-    with filled(folder) as made:
+    check_folder(folder, force)
+    with replace_content(folder) as made:
         for sub in ('tables', 'figures'):
             (made / sub).mkdir(parents=True)
         pages = [_chapter(make(subject), made, animated) for make in CHAPTERS]
@@ -53,8 +66,8 @@ def write(subject: Subject, folder: Path, force: bool = False, animated: bool = 
         (made / REPORT).write_text(text, encoding='utf-8')
 
 
-def refuse(folder: Path, force: bool) -> None:
-    """RecordingError if a folder may not be replaced by a study."""
+def check_folder(folder: Path, force: bool) -> None:
+    """Raise RecordingError if a folder's content may not be replaced by a study."""
     if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
         return
     if not folder.is_dir():
@@ -67,14 +80,14 @@ def refuse(folder: Path, force: bool) -> None:
     ours = {path for pattern in PATTERNS for path in folder.glob(pattern)}
     for path in folder.rglob('*'):
         if path not in ours and not (path.is_dir() and path.name in ('tables', 'figures')):
-            raise RecordingError(f'{path}: is not of the study that stands there; move it away')
+            raise RecordingError(f'{path}: is no file of the study in this folder; move it away')
 
 
 @contextmanager
-def filled(folder: Path) -> Iterator[Path]:
-    """Give a folder to write into; at the end what is in it replaces what is in `folder`.
+def replace_content(folder: Path) -> Iterator[Path]:
+    """Give a folder to write into; at the end its content replaces that of `folder`.
 
-    The folder itself stays: it may be a mount, or where somebody stands.
+    The folder itself stays: it may be a mount point, or a shell's current folder.
     """
     made, workshop = not folder.exists(), folder / f'.study.{os.getpid()}.part'
     new, old = workshop / 'new', workshop / 'old'
@@ -118,15 +131,15 @@ def _chapter(chapter: Chapter, folder: Path, animated: bool) -> str:
 def _part(part: Part, folder: Path, animated: bool) -> str:
     if isinstance(part, str):
         return cleandoc(part)
-    if isinstance(part, Table):
+    if isinstance(part, TablePart):
         file = f'tables/{part.name}.csv'
         (folder / file).write_text(part.csv(), encoding='utf-8')
-        if not part.shown:
+        if not part.visible:
             return f'{part.title}: [{file}]({file}).'
         return f'{part.title} ([{file}]({file})):\n\n{part.markdown()}'
-    if isinstance(part, Picture):
+    if isinstance(part, PicturePart):
         file = f'figures/{part.name}.png'
-        with drawing():
+        with house_style():
             part.draw().savefig(folder / file, dpi=DPI)
     else:
         if not animated:

@@ -1,4 +1,4 @@
-"""What a study is of: a muscle, its experiments, and what of the literature applies to it."""
+"""The subject of a study: a muscle, its experiments, and which literature applies to it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleState
 from .attachments import is_published
-from .experiments import MOTIONS, Experiment, simulate
+from .experiments import MOTIONS, Experiment, simulate_motion
 from .fidelity import is_comparable
-from .interference import read_as, with_spheres
+from .interference import add_spheres, apply_reading
 
 FINE = math.radians(1.0)  # from pose to pose of a drawn curve
 
@@ -29,16 +29,31 @@ class Subject:
     muscle: BroadMuscle
     """With the further interference spheres, if there are any."""
     scale: float
-    """Of the moment arms: 1, or the thesis's half."""
+    """The factor of the moment arms: 1, or the thesis's half."""
     spheres: str | None
     """The file of the further interference spheres."""
 
     @staticmethod
     def load(model: str, scale: float = 1.0, spheres: str | Path | None = None) -> Subject:
-        """Load a model and, if given, a file of further spheres; ModelError says what is wrong."""
+        """Load a model.
+
+        Parameters
+        ----------
+        model
+            A bundled model's name, or the path of a model file.
+        scale
+            The factor of the moment arms.
+        spheres
+            A file of further interference spheres.
+
+        Raises
+        ------
+        ModelError
+            If a file cannot be used; the message names it and the reason.
+        """
         muscle = BroadMuscle.load(model)
         if spheres is not None:
-            muscle = with_spheres(muscle, spheres)
+            muscle = add_spheres(muscle, spheres)
         return Subject(model, muscle, scale, None if spheres is None else str(spheres))
 
     @cached_property
@@ -49,13 +64,14 @@ class Subject:
     @cached_property
     def experiments(self) -> list[Experiment]:
         """The thesis's three motions, every 10 deg."""
-        return [simulate(self.solver, motion, scale=self.scale) for motion in MOTIONS]
+        return [simulate_motion(self.solver, motion, scale=self.scale) for motion in MOTIONS]
 
     @cached_property
     def curves(self) -> list[Experiment]:
-        """The same, every degree."""
+        """The same motions, every degree, for drawn curves."""
         return [
-            simulate(self.solver, motion, motion.angles(FINE), self.scale) for motion in MOTIONS
+            simulate_motion(self.solver, motion, motion.angles(FINE), self.scale)
+            for motion in MOTIONS
         ]
 
     @cached_property
@@ -65,15 +81,14 @@ class Subject:
 
     @cached_property
     def is_comparable(self) -> bool:
-        """Whether measurements of its heads are at hand."""
+        """Whether there are measurements of its heads."""
         return is_comparable(self.muscle)
 
-    def read_as(self, reading: str) -> Subject:
-        """Return the same with one of interference.READINGS of the obstacle spheres' frame."""
-        return replace(self, muscle=read_as(self.muscle, reading))
+    def with_frame_reading(self, reading: str) -> Subject:
+        """Return the subject with one of interference.FRAME_READINGS."""
+        return replace(self, muscle=apply_reading(self.muscle, reading))
 
-    def at(self, motion: str, degrees: float) -> MuscleState:
+    def solve_pose(self, motion: str, degrees: float) -> MuscleState:
         """Return the muscle's state at an angle, deg, of one of the motions."""
-        (found,) = (each for each in MOTIONS if each.name == motion)
-        one = simulate(self.solver, found, np.radians([degrees]))
-        return one.states[0]
+        (chosen,) = (each for each in MOTIONS if each.name == motion)
+        return simulate_motion(self.solver, chosen, np.radians([degrees])).states[0]

@@ -11,15 +11,15 @@ import pytest
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ModelError, WrapState
 from linkedplane_ros.solver.interference import closest
 from linkedplane_ros.study import interference
-from linkedplane_ros.study.experiments import MOTIONS, simulate, simulate_all
+from linkedplane_ros.study.experiments import MOTIONS, simulate_motion, simulate_motions
 from linkedplane_ros.study.interference import (
     PRINTED,
     REVERSED_Z,
     REVERSED_ZY,
     Checks,
-    check_reading,
-    read_as,
-    with_spheres,
+    add_spheres,
+    apply_reading,
+    check_experiments,
 )
 
 DELTOID = BroadMuscle.load('deltoid')
@@ -27,10 +27,15 @@ SOLVER = LinkedPlaneSolver(DELTOID)
 SHOWN = 0.005e-3  # m: half of the last digit of the figures below
 
 
+def read(reading: str) -> Checks:
+    """Return the checks of the deltoid in a reading of its obstacle spheres' frame."""
+    return check_experiments(simulate_motions(apply_reading(DELTOID, reading)))
+
+
 @pytest.fixture(scope='module')
 def printed() -> Checks:
     """Return the checks of the printed parameters."""
-    return check_reading(DELTOID, PRINTED)
+    return read(PRINTED)
 
 
 def distance_to_polyline(X: np.ndarray, path: np.ndarray) -> float:
@@ -48,7 +53,7 @@ def test_the_distance_of_a_path_is_that_of_a_very_fine_polyline() -> None:
     random = np.random.default_rng(7)
     on_arc = 0
     for motion in MOTIONS:
-        for state in simulate(SOLVER, motion).states:
+        for state in simulate_motion(SOLVER, motion).states:
             paths = state.paths(1000)
             beside = [path[len(path) // 2] + random.normal(0.0, 0.01, 3) for path in paths]
             centres = np.array([*DELTOID.interference_centres, *beside])
@@ -65,7 +70,9 @@ def test_the_distance_of_a_path_is_that_of_a_very_fine_polyline() -> None:
 # The figures of erratum 9
 
 
-def test_132_of_702_checks_find_a_band_in_a_sphere_at_25_of_26_poses(printed: Checks) -> None:
+def test_132_of_702_checks_find_a_band_in_a_sphere_at_25_of_26_poses(
+    printed: Checks,
+) -> None:
     assert (printed.count, printed.poses) == (702, 26)
     assert len(printed.entries) == 132
     assert printed.poses_entered == 25
@@ -76,7 +83,9 @@ def test_the_counts_stand_off_the_edge(printed: Checks) -> None:
     assert min(np.abs(each).min() for each in printed.depths) > 2e-5
 
 
-def test_the_one_pose_that_no_band_spoils_is_abduction_at_30_deg(printed: Checks) -> None:
+def test_the_one_pose_that_no_band_spoils_is_abduction_at_30_deg(
+    printed: Checks,
+) -> None:
     clean = [
         (one.motion.name, round(math.degrees(one.angles[at])))
         for one, depths in zip(printed.experiments, printed.depths, strict=True)
@@ -85,14 +94,18 @@ def test_the_one_pose_that_no_band_spoils_is_abduction_at_30_deg(printed: Checks
     assert clean == [('abduction', 30)]
 
 
-def test_the_deepest_entry_is_20_mm_into_the_humeral_head_in_flexion(printed: Checks) -> None:
+def test_the_deepest_entry_is_20_mm_into_the_humeral_head_in_flexion(
+    printed: Checks,
+) -> None:
     deepest = max(printed.entries, key=lambda entry: entry.depth)
     assert deepest.depth == pytest.approx(20.18e-3, abs=SHOWN)
     assert (deepest.motion, round(math.degrees(deepest.angle))) == ('flexion', 50)
     assert (deepest.band, deepest.sphere) == ('middle_3', 'sphere_4')
 
 
-def test_at_neutral_two_bands_enter_the_humeral_head_by_4_and_7_mm(printed: Checks) -> None:
+def test_at_neutral_two_bands_enter_the_humeral_head_by_4_and_7_mm(
+    printed: Checks,
+) -> None:
     at_neutral = [entry for entry in printed.entries if entry.angle == 0.0]
     found = {(entry.band, entry.sphere): 1e3 * entry.depth for entry in at_neutral}
     assert found == {
@@ -107,7 +120,9 @@ def test_the_two_most_anterior_bands_enter_nothing(printed: Checks) -> None:
     assert (printed.deepest_by_band[:2] < 0.0).all()
 
 
-def test_nearly_half_of_the_entries_are_of_bands_that_touch_no_obstacle(printed: Checks) -> None:
+def test_nearly_half_of_the_entries_are_of_bands_that_touch_no_obstacle(
+    printed: Checks,
+) -> None:
     # the straight line between their ends passes through bone
     straight = [entry for entry in printed.entries if entry.wrap != WrapState.WRAPPED]
     assert len(straight) == 61
@@ -127,7 +142,7 @@ def test_an_entry_says_where(printed: Checks) -> None:
 
 
 def test_with_z_reversed_bands_1_to_3_are_clear_and_7_to_9_are_not() -> None:
-    found = check_reading(DELTOID, REVERSED_Z)
+    found = read(REVERSED_Z)
     assert len(found.entries) == 72
     assert found.poses_entered == 17
     assert found.by_band.tolist() == [0, 0, 0, 1, 6, 7, 15, 21, 22]
@@ -138,16 +153,16 @@ def test_with_z_reversed_bands_1_to_3_are_clear_and_7_to_9_are_not() -> None:
 
 
 def test_with_z_reversed_no_band_enters_at_neutral() -> None:
-    assert not [each for each in check_reading(DELTOID, REVERSED_Z).entries if each.angle == 0.0]
+    assert not [each for each in read(REVERSED_Z).entries if each.angle == 0.0]
 
 
 def test_with_y_following_the_reversed_z_little_is_gained() -> None:
-    found = check_reading(DELTOID, REVERSED_ZY)
+    found = read(REVERSED_ZY)
     assert (len(found.entries), found.poses_entered) == (118, 23)
 
 
 def test_a_reversed_axis_is_that_of_the_frame_with_its_factors_swapped() -> None:
-    state = LinkedPlaneSolver(read_as(DELTOID, REVERSED_ZY)).solve(np.eye(3))
+    state = LinkedPlaneSolver(apply_reading(DELTOID, REVERSED_ZY)).solve(np.eye(3))
     for i, P in enumerate(DELTOID.origins):
         x = DELTOID.humeral_point - P
         x /= np.linalg.norm(x)
@@ -171,10 +186,10 @@ interference_spheres:
 def test_a_file_adds_spheres_and_changes_nothing_else(tmp_path: Path, printed: Checks) -> None:
     path = tmp_path / 'lost.yaml'
     path.write_text(SPHERES)
-    muscle = with_spheres(DELTOID, path)
+    muscle = add_spheres(DELTOID, path)
     assert muscle.interference_names == ('sphere_4', 'sphere_5', 'sphere_6', 'sphere_1')
     assert muscle.interference_centres[3].tolist() == [0.1, 0.0, 0.0]
-    found = interference.check(simulate_all(muscle))
+    found = interference.check_experiments(simulate_motions(muscle))
     assert found.count == 936
     for before, after in zip(printed.depths, found.depths, strict=True):
         np.testing.assert_array_equal(after[:, :, :3], before)
@@ -201,7 +216,7 @@ def test_a_file_of_spheres_that_is_no_good_is_refused_in_one_line(
     path = tmp_path / 'lost.yaml'
     path.write_text(text)
     with pytest.raises(ModelError) as caught:
-        with_spheres(DELTOID, path)
+        add_spheres(DELTOID, path)
     assert str(caught.value).startswith(str(path))
     assert reason in str(caught.value)
     assert '\n' not in str(caught.value)

@@ -9,7 +9,7 @@ import pytest
 
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.study import report
-from linkedplane_ros.study.pictures import charts, figures
+from linkedplane_ros.study.pictures import charts, poses
 
 
 @pytest.fixture(scope='module')
@@ -32,9 +32,9 @@ def study(coarse: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write text and tables alone, for tests that do not look at the pictures."""
     monkeypatch.setattr(report, 'CHAPTERS', report.CHAPTERS[2:4])
-    monkeypatch.setattr(charts, 'depths', lambda readings: empty_figure())
-    monkeypatch.setattr(charts, 'fidelity', lambda subject: empty_figure())
-    monkeypatch.setattr(figures, 'entries', lambda readings: empty_figure())
+    monkeypatch.setattr(charts, 'depths_figure', lambda readings: empty_figure())
+    monkeypatch.setattr(charts, 'fidelity_figure', lambda subject: empty_figure())
+    monkeypatch.setattr(poses, 'entries_figure', lambda readings: empty_figure())
 
 
 def empty_figure() -> object:

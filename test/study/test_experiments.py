@@ -14,17 +14,18 @@ from linkedplane_ros.study import attachments
 from linkedplane_ros.study.experiments import (
     HALF,
     MOTIONS,
+    AxisMotion,
     Experiment,
-    Motion,
     cubic_arms,
-    simulate,
-    simulate_all,
+    simulate_motion,
+    simulate_motions,
 )
-from linkedplane_ros.study.literature import HEADS, published
+from linkedplane_ros.study.literature import HEADS, published_curves
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
+AGREES = 1e-8  # m: the thesis's tables and its polynomials, but for errata 1 to 3
 ROUNDED = 1e-9  # m: rounding of the solver's and these sums
 MODEL = Path(__file__).parents[2] / 'linkedplane_ros' / 'models' / 'deltoid.yaml'
 
@@ -32,7 +33,7 @@ MODEL = Path(__file__).parents[2] / 'linkedplane_ros' / 'models' / 'deltoid.yaml
 @pytest.fixture(scope='module')
 def experiments() -> dict[str, Experiment]:
     """Return the thesis's three experiments."""
-    return {each.motion.name: each for each in simulate_all(DELTOID)}
+    return {each.motion.name: each for each in simulate_motions(DELTOID)}
 
 
 # The motions
@@ -75,7 +76,7 @@ def test_the_arm_goes_where_the_motion_says(name: str, towards: tuple[float, flo
 def test_a_motion_turned_about_the_vertical_goes_into_the_turned_plane() -> None:
     abduction = MOTIONS[1]
     # forwards is a positive turn about the vertical: x lateral to y anterior
-    assert abduction.turned(math.radians(30.0)).axis == pytest.approx(MOTIONS[2].axis, abs=1e-15)
+    assert abduction.rotate(math.radians(30.0)).axis == pytest.approx(MOTIONS[2].axis, abs=1e-15)
 
 
 # Moment arms
@@ -86,8 +87,10 @@ def test_exact_moment_arms_are_the_slopes_of_the_lengths() -> None:
     step = math.radians(0.01)
     for motion in MOTIONS:
         middle = motion.angles()[1:-1] + math.radians(3.0)  # beside the tabled poses
-        one = simulate(SOLVER, motion, middle)
-        before, after = (simulate(SOLVER, motion, middle + by).lengths for by in (-step, step))
+        one = simulate_motion(SOLVER, motion, middle)
+        before, after = (
+            simulate_motion(SOLVER, motion, middle + by).lengths for by in (-step, step)
+        )
         np.testing.assert_allclose(one.arms, (before - after) / (2.0 * step), atol=2e-6)
 
 
@@ -115,7 +118,7 @@ def test_the_cubic_is_near_the_exact_moment_arms_but_not_the_same(
 
 
 def test_the_half_scaling_halves_moment_arms_and_no_lengths() -> None:
-    whole, half = (simulate(SOLVER, MOTIONS[0], scale=scale) for scale in (1.0, HALF))
+    whole, half = (simulate_motion(SOLVER, MOTIONS[0], scale=scale) for scale in (1.0, HALF))
     np.testing.assert_array_equal(half.arms, 0.5 * whole.arms)
     np.testing.assert_allclose(half.cubic_arms, 0.5 * whole.cubic_arms, rtol=1e-15)
     np.testing.assert_array_equal(half.lengths, whole.lengths)
@@ -139,9 +142,9 @@ def test_the_posterior_arm_is_negative_in_early_abduction_and_then_rises(
 def test_the_experiments_give_the_models_own_column_of_the_literature() -> None:
     # LP: means of the heads' three bands; mm to one digit (arms) and two (lengths)
     for quantity, rounding in (('moment_arm_mm', 0.5e-4), ('length_mm', 0.5e-5)):
-        for (head, name), curve in published(quantity)['LP'].items():
+        for (head, name), curve in published_curves(quantity)['LP'].items():
             (motion,) = (each for each in MOTIONS if each.name == name)
-            one = simulate(SOLVER, motion, curve.angles)
+            one = simulate_motion(SOLVER, motion, curve.angles)
             values = one.arms if quantity == 'moment_arm_mm' else one.lengths
             k = HEADS.index(head)
             mean = values[:, 3 * k : 3 * k + 3].mean(axis=1)
@@ -150,31 +153,33 @@ def test_the_experiments_give_the_models_own_column_of_the_literature() -> None:
 
 @pytest.mark.parametrize('table', ['6.2.1', '6.2.2'])
 def test_the_positions_are_the_printed_ones_but_for_the_errata(table: str) -> None:
-    rows = attachments.positions(DELTOID, table)
+    rows = attachments.compare_positions(DELTOID, table)
     assert tuple(row.band for row in rows) == DELTOID.band_names
     for row in rows:
         assert row.printed.s == pytest.approx(row.s, abs=0.000501)  # three decimals are printed
-        assert (row.off > attachments.AGREES) == bool(row.printed.erratum), row
+        assert (row.deviation > AGREES) == bool(row.printed.erratum), row
     assert sum(bool(row.printed.erratum) for row in rows) == {'6.2.1': 1, '6.2.2': 2}[table]
 
 
 def test_erratum_2_is_a_matter_of_two_signs() -> None:
-    (row,) = (each for each in attachments.positions(DELTOID, '6.2.1') if each.printed.erratum)
+    (row,) = (
+        each for each in attachments.compare_positions(DELTOID, '6.2.1') if each.printed.erratum
+    )
     x, y, z = row.printed.point
-    assert row.point == pytest.approx((x, -y, -z), abs=attachments.AGREES)
+    assert row.point == pytest.approx((x, -y, -z), abs=AGREES)
 
 
 def test_erratum_3_is_a_column_shifted_by_a_row() -> None:
-    rows = attachments.positions(DELTOID, '6.2.2')
+    rows = attachments.compare_positions(DELTOID, '6.2.2')
     for k in (5, 6):
         assert rows[k].printed.point[2] == pytest.approx(rows[k + 1].point[2], abs=1e-8)
         assert rows[k].printed.point[:2] == pytest.approx(rows[k].point[:2], abs=1e-8)
 
 
 def test_the_whole_span_holds_the_bands_and_reaches_beyond_them() -> None:
-    span = attachments.of_whole_span(DELTOID)
+    span = attachments.span_attachments(DELTOID)
     assert (span.s[0], span.s[-1]) == (0.0, 1.0)
-    ours = attachments.of_bands(DELTOID)
+    ours = attachments.band_attachments(DELTOID)
     np.testing.assert_array_equal(ours.origins, DELTOID.origins)
     np.testing.assert_array_equal(ours.insertions, DELTOID.insertions)
 
@@ -185,9 +190,12 @@ def test_the_span_of_any_other_muscle_is_that_of_its_bands(tmp_path: Path) -> No
     muscle = BroadMuscle.load(path)
     assert not attachments.is_published(muscle)
     assert attachments.is_published(DELTOID)
-    span = attachments.of_whole_span(muscle)
+    span = attachments.span_attachments(muscle)
     assert (span.s[0], span.s[-1]) == (0.12, 0.85)
 
 
 def test_a_motion_may_have_any_step() -> None:
-    assert len(Motion('flexion', (1.0, 0.0, 0.0), math.radians(80.0)).angles(math.radians(1))) == 81
+    assert (
+        len(AxisMotion('flexion', (1.0, 0.0, 0.0), math.radians(80.0)).angles(math.radians(1)))
+        == 81
+    )

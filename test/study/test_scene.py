@@ -13,16 +13,16 @@ from linkedplane_ros.study.pictures.scene import (
     SUPERIOR,
     TOP_BACK,
     Scene,
-    View,
-    apart,
-    seen_axes,
+    Viewpoint,
+    push_apart,
+    visible_axes,
 )
 
 VIEWS = (LATERAL, FRONTAL, POSTERIOR, SUPERIOR, TOP_BACK)
 
 
 @pytest.mark.parametrize('view', VIEWS, ids=lambda view: view.name)
-def test_a_view_is_right_handed_and_true_to_scale(view: View) -> None:
+def test_a_view_is_right_handed_and_true_to_scale(view: Viewpoint) -> None:
     np.testing.assert_allclose(view.axes @ view.axes.T, np.eye(3), atol=1e-15)
     assert np.linalg.det(view.axes) == pytest.approx(1.0)
 
@@ -35,7 +35,7 @@ def test_a_view_is_right_handed_and_true_to_scale(view: View) -> None:
         (SUPERIOR, 'lateral', 'anterior'),
     ],
 )
-def test_a_right_shoulder_is_seen_the_right_way_round(view: View, right: str, up: str) -> None:
+def test_a_right_shoulder_is_seen_the_right_way_round(view: Viewpoint, right: str, up: str) -> None:
     assert view.seen(np.array(AXES[right])).tolist() == [1.0, 0.0, 0.0]
     assert view.seen(np.array(AXES[up])).tolist() == [0.0, 1.0, 0.0]
 
@@ -45,7 +45,7 @@ def test_from_the_front_a_right_shoulder_lies_to_the_left() -> None:
 
 
 def test_axes_that_look_alike_share_a_label() -> None:
-    assert [names for names, _ in seen_axes(TOP_BACK)] == ['lateral', 'anterior, superior']
+    assert [names for names, _ in visible_axes(TOP_BACK)] == ['lateral', 'anterior, superior']
 
 
 def test_what_is_near_is_drawn_over_what_is_far() -> None:
@@ -62,7 +62,7 @@ def test_what_is_near_is_drawn_over_what_is_far() -> None:
 
 def test_labels_are_pushed_apart() -> None:
     crowded = np.zeros((5, 2))
-    places = apart(crowded, np.zeros((1, 2)), 0.01)
+    places = push_apart(crowded, np.zeros((1, 2)), 0.01)
     between = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(5)
     assert between.min() > 0.0098
     assert np.linalg.norm(places, axis=1).min() > 0.0098

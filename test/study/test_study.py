@@ -11,9 +11,10 @@ from optional import requires
 from studies import read_table
 
 from linkedplane_ros.commands.main import main
+from linkedplane_ros.drawing.figure_files import house_style
 from linkedplane_ros.rivals.methods import LINKED
 from linkedplane_ros.study import report
-from linkedplane_ros.study.pictures import animation, charts, figures
+from linkedplane_ros.study.pictures import animation, charts, poses
 from linkedplane_ros.study.subject import Subject
 
 pytestmark = [pytest.mark.usefixtures('coarse'), requires('matplotlib')]
@@ -49,7 +50,7 @@ def test_the_figures_are_pictures_that_fill_a_page(study: Path) -> None:
 
     for path in (study / 'figures').iterdir():
         picture = imread(path)
-        assert picture.shape[1] == round(figures.WIDTH * report.DPI)
+        assert picture.shape[1] == round(poses.WIDTH * report.DPI)
         shares = np.histogram(picture[..., :3].mean(axis=2), bins=4, range=(0.0, 1.0))[0]
         assert shares[:2].sum() > 0.005 * shares.sum(), path  # there is ink
 
@@ -143,8 +144,8 @@ def test_half_scaled_moment_arms_say_so(tmp_path: Path, study: Path) -> None:
         assert whole['middle_length_mm'] == half['middle_length_mm']
         for quantity in ('middle_arm_mm', 'middle_cubic_arm_mm'):
             assert float(half[quantity]) == pytest.approx(0.5 * float(whole[quantity]), abs=1e-6)
-    with figures.drawing():
-        page = charts.moment_arms(subject)
+    with house_style():
+        page = charts.moment_arms_figure(subject)
     assert '0.5 x moment arm (mm)' in page.axes[0].get_ylabel()
 
 
@@ -173,7 +174,9 @@ def test_further_spheres_are_checked_and_named(quick: None, tmp_path: Path) -> N
 def test_flexion_is_an_endless_gif_there_and_back(tmp_path: Path) -> None:
     from PIL import Image
 
-    animation.write(Subject.load('deltoid'), tmp_path / 'flexion.gif', step=np.radians(40.0))
+    animation.write_animation(
+        Subject.load('deltoid'), tmp_path / 'flexion.gif', step=np.radians(40.0)
+    )
     with Image.open(tmp_path / 'flexion.gif') as picture:
         assert picture.n_frames == 4  # 0, 40, 80, 40 deg
         assert picture.info['loop'] == 0

@@ -42,7 +42,7 @@ def test_a_study_is_replaced_only_by_force_and_only_if_nothing_else_is_in_it(
     assert (out / 'report.md').read_text() != before
     capsys.readouterr()
     (out / 'figures' / 'mine.svg').write_text('mine')
-    assert 'mine.svg: is not of the study' in command_fault(capsys, 'study', out, '--force')
+    assert 'mine.svg: is no file of the study' in command_fault(capsys, 'study', out, '--force')
     assert (out / 'figures' / 'mine.svg').read_text() == 'mine'
     assert [path.name for path in tmp_path.iterdir()] == ['out']
 
@@ -64,12 +64,12 @@ def test_a_study_that_fails_leaves_what_there_was(
         raise RecordingError('no')
 
     subject = Subject.load('deltoid')
-    report.write(subject, tmp_path / 'old')
+    report.write_study(subject, tmp_path / 'old')
     before = {path: path.read_bytes() for path in tmp_path.rglob('*') if path.is_file()}
-    monkeypatch.setattr(charts, 'fidelity', broken)
+    monkeypatch.setattr(charts, 'fidelity_figure', broken)
     for name, force in (('new', False), ('old', True)):
         with pytest.raises(RecordingError):
-            report.write(subject, tmp_path / name, force)
+            report.write_study(subject, tmp_path / name, force)
     assert before == {path: path.read_bytes() for path in tmp_path.rglob('*') if path.is_file()}
     assert [path.name for path in tmp_path.iterdir()] == ['old']
 
@@ -113,6 +113,7 @@ def test_without_matplotlib_one_line_says_what_to_install(tmp_path: Path) -> Non
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
     assert done.returncode == 1
     assert done.stderr == (
-        "linkedplane: a study needs the matplotlib library: pip install 'linkedplane_ros[tools]'\n"
+        'linkedplane: a picture needs the matplotlib library: '
+        "pip install 'linkedplane_ros[tools]'\n"
     )
     assert not list(tmp_path.iterdir())

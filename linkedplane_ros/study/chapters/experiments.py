@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...drawing.units import DEGREES
+from ...drawing.units import DEGREES, MILLIMETRES
 from ...solver.states import WrapState
-from ..experiments import MILLIMETRES, Experiment
+from ..experiments import Experiment
 from ..pictures import animation, charts
 from ..subject import Subject
-from .parts import Animation, Cell, Chapter, Picture, Table
+from .parts import AnimationPart, Cell, Chapter, PicturePart, TablePart
 
 UNSCALED = """
     No moment arm in this report is scaled unless it says so. (The thesis halves its simulated ones
@@ -22,7 +22,7 @@ SCALED = """
 """
 ARMS = """
     Grey: measured (Ackland et al. 2008), over the measured angle as it is and over two thirds of
-    it. The measurements that the thesis compares with are not to be had as numbers.
+    it. The measurements that the thesis compares with are not available as numbers.
 """
 LENGTHS = """
     Grey: what measured moment arms give (Ackland et al. 2008), by the thesis's way: a cubic through
@@ -32,7 +32,7 @@ LENGTHS = """
 NONE = 'No measurement of these heads is at hand.'
 
 
-def chapter(subject: Subject) -> Chapter:
+def experiments_chapter(subject: Subject) -> Chapter:
     """Return the chapter on the experiments."""
     return Chapter('Experiments', [
         """
@@ -46,31 +46,31 @@ def chapter(subject: Subject) -> Chapter:
         least squares, differentiated. The thesis states no sign.
         """,
         SCALED.format(subject.scale) if subject.scale != 1.0 else UNSCALED,
-        _span(subject),
-        _heads(subject),
-        _cubic(subject),
-        _everything(subject),
-        Picture(
+        _span_text(subject),
+        _head_table(subject),
+        _cubic_table(subject),
+        _band_table(subject),
+        PicturePart(
             'e4_lengths',
             'E.4. Lengths, all bands of each head. ' + (LENGTHS if subject.is_comparable else NONE),
-            lambda: charts.lengths(subject),
+            lambda: charts.lengths_figure(subject),
         ),
-        Picture(
+        PicturePart(
             'e5_moment_arms',
             'E.5. Moment arms, all bands of each head. '
             + (ARMS if subject.is_comparable else NONE),
-            lambda: charts.moment_arms(subject),
+            lambda: charts.moment_arms_figure(subject),
         ),
-        Animation(
+        AnimationPart(
             'flexion',
             """Flexion from 0 to 80 deg and back, each band's plane drawn: the planes keep their
             angles to one another and turn together, with theta.""",
-            lambda path: animation.write(subject, path),
+            lambda path: animation.write_animation(subject, path),
         ),
     ])  # fmt: skip
 
 
-def _span(subject: Subject) -> str:
+def _span_text(subject: Subject) -> str:
     """Return which lengths there are."""
     lengths = MILLIMETRES * np.concatenate(
         [
@@ -86,26 +86,26 @@ def _span(subject: Subject) -> str:
     )
 
 
-def _heads(subject: Subject) -> Table:
+def _head_table(subject: Subject) -> TablePart:
     """Return lengths and moment arms of the bands that represent the heads."""
     heads = [head.name for head in subject.muscle.heads]
     rows: list[tuple[Cell, ...]] = []
     for one in subject.experiments:
         columns = [one.column(head) for head in heads]
         quantities = [one.lengths, one.arms, one.cubic_arms]
-        for at, angle in enumerate(one.angles.tolist()):
-            values = [MILLIMETRES * float(each[at, k]) for k in columns for each in quantities]
+        for pose, angle in enumerate(one.angles.tolist()):
+            values = [MILLIMETRES * float(each[pose, k]) for k in columns for each in quantities]
             rows.append((one.motion.name, round(DEGREES * angle), *values))
     names = [
         f'{head}_{quantity}_mm' for head in heads for quantity in ('length', 'arm', 'cubic_arm')
     ]
-    return Table(
+    return TablePart(
         'heads', 'Lengths and moment arms of the bands that represent the heads',
         ('motion', 'angle_deg', *names), rows,
     )  # fmt: skip
 
 
-def _cubic(subject: Subject) -> Table:
+def _cubic_table(subject: Subject) -> TablePart:
     """Return what the thesis's way of differentiating does."""
     rows: list[tuple[Cell, ...]] = []
     for head in subject.muscle.heads:
@@ -117,36 +117,36 @@ def _cubic(subject: Subject) -> Table:
                 (head.name, one.motion.name, float(np.abs(off).mean()), float(off[worst]),
                  round(DEGREES * one.angles[worst]))
             )  # fmt: skip
-    return Table(
+    return TablePart(
         'cubic_less_exact', 'Moment arms from cubics, less the exact ones',
         ('head', 'motion', 'mean_size_mm', 'worst_mm', 'at_deg'), rows,
     )  # fmt: skip
 
 
-def _everything(subject: Subject) -> Table:
+def _band_table(subject: Subject) -> TablePart:
     """Return every band at every pose."""
-    return Table(
+    return TablePart(
         'experiments', 'Every band at every pose',
         ('motion', 'angle_deg', 'theta_deg', 'band', 'head', 'length_mm', 'moment_arm_mm',
          'moment_arm_cubic_mm', 'wrap_state'),
-        [row for one in subject.experiments for row in _rows(one)], shown=False,
+        [row for one in subject.experiments for row in _band_rows(one)], visible=False,
     )  # fmt: skip
 
 
-def _rows(one: Experiment) -> list[tuple[Cell, ...]]:
+def _band_rows(one: Experiment) -> list[tuple[Cell, ...]]:
     muscle, cubic = one.states.solver.muscle, one.cubic_arms
     return [
         (
             one.motion.name,
-            round(DEGREES * one.angles[at]),
-            DEGREES * float(one.states.theta[at]),
+            round(DEGREES * one.angles[pose]),
+            DEGREES * float(one.states.theta[pose]),
             band,
             muscle.find_head(band),
-            MILLIMETRES * float(one.lengths[at, k]),
-            MILLIMETRES * float(one.arms[at, k]),
-            MILLIMETRES * float(cubic[at, k]),
-            WrapState(one.states.wrap[at, k]).name.lower(),
+            MILLIMETRES * float(one.lengths[pose, k]),
+            MILLIMETRES * float(one.arms[pose, k]),
+            MILLIMETRES * float(cubic[pose, k]),
+            WrapState(one.states.wrap[pose, k]).name.lower(),
         )
-        for at in range(len(one.angles))
+        for pose in range(len(one.angles))
         for k, band in enumerate(muscle.band_names)
     ]

@@ -8,25 +8,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...drawing.units import DEGREES
-from ..experiments import HALF, MILLIMETRES, MOTIONS, simulate_all
+from ...drawing.units import DEGREES, MILLIMETRES
+from ..experiments import HALF, MOTIONS, simulate_motions
 from ..fidelity import (
+    ANGLE_READINGS,
     AS_IS,
-    READINGS,
     THESIS_ARM,
     THESIS_LENGTH,
     TWO_THIRDS,
+    AngleReading,
     Deviation,
-    Reading,
-    mean_of,
-    of_arms,
-    of_lengths,
-    of_published,
+    arm_deviations,
+    length_deviations,
+    mean_size,
+    model_deviations,
 )
-from ..literature import rivals
+from ..literature import published_models
 from ..pictures import charts
 from ..subject import Subject
-from .parts import Cell, Chapter, Picture, Table
+from .parts import Cell, Chapter, PicturePart, TablePart
 
 THIS = 'this model'
 BACK = math.radians(-30.0)  # about the vertical: from the plane of the scapula to the body's
@@ -51,38 +51,38 @@ ABOUT = """
 """
 
 
-def chapter(subject: Subject) -> Chapter:
+def fidelity_chapter(subject: Subject) -> Chapter:
     """Return the chapter on fidelity."""
     if not subject.is_comparable:
         return Chapter('Fidelity', [ELSEWHERE])
     scales = {scale: replace(subject, scale=scale) for scale in (1.0, HALF)}
     ours = {
-        (scale, reading): of_arms(each.experiments, reading, THIS)
+        (scale, reading): arm_deviations(each.experiments, reading, THIS)
         for scale, each in scales.items()
-        for reading in READINGS
+        for reading in ANGLE_READINGS
     }
     scaled = f"This model's are multiplied by {subject.scale:g}."
     return Chapter('Fidelity', [
         ABOUT,
-        _by_head(ours),
-        _thesis(scales),
-        _models(ours),
-        Picture(
+        _head_table(ours),
+        _thesis_table(scales),
+        _model_table(ours),
+        PicturePart(
             'fidelity_moment_arms',
             f"""Measured moment arms (grey) beside this model's (the bands that represent the heads)
             and those of published models. Open markers: with the shoulder rhythm; their angle is
             that of the arm against the thorax. {'' if subject.scale == 1.0 else scaled}""",
-            lambda: charts.fidelity(subject),
+            lambda: charts.fidelity_figure(subject),
         ),
-        _every(ours),
-        *([_verdicts(subject, ours)] if subject.is_published else []),
+        _deviation_table(ours),
+        *([_verdict_text(subject, ours)] if subject.is_published else []),
     ])  # fmt: skip
 
 
-Ours = dict[tuple[float, Reading], list[Deviation]]
+Ours = dict[tuple[float, AngleReading], list[Deviation]]
 
 
-def _by_head(ours: Ours) -> Table:
+def _head_table(ours: Ours) -> TablePart:
     """Return mean and worst, unscaled, and the mean of halved moment arms, in two readings."""
     rows: list[tuple[Cell, ...]] = []
     for k, one in enumerate(ours[1.0, AS_IS]):
@@ -92,20 +92,20 @@ def _by_head(ours: Ours) -> Table:
             cells += [MILLIMETRES * x for x in (whole.mean, whole.worst, half.mean)]
         rows.append((one.head, one.motion, *cells))
     means = [
-        MILLIMETRES * mean_of(ours[scale, reading])
+        MILLIMETRES * mean_size(ours[scale, reading])
         for reading in (AS_IS, TWO_THIRDS)
         for scale in (1.0, HALF)
     ]
     rows.append(('all', 'both', means[0], None, means[1], means[2], None, means[3]))
     quantities = ('mean_mm', 'worst_mm', 'mean_if_halved_mm')
     columns = [f'{name}_{each}' for name in ('as_is', 'two_thirds') for each in quantities]
-    return Table(
+    return TablePart(
         'fidelity_by_head', 'Moment arms of this model, less the measured ones',
         ('head', 'motion', *columns), rows,
     )  # fmt: skip
 
 
-def _thesis(scales: dict[float, Subject]) -> Table:
+def _thesis_table(scales: dict[float, Subject]) -> TablePart:
     """Return the thesis's own summary beside what its procedure gives here."""
     rows: list[tuple[Cell, ...]] = []
     for what, thesis, scale, cubic in (
@@ -116,10 +116,10 @@ def _thesis(scales: dict[float, Subject]) -> Table:
     ):
         ran = scales[scale].experiments
         means = [
-            mean_of(
-                of_lengths(ran, reading, THIS)
+            mean_size(
+                length_deviations(ran, reading, THIS)
                 if cubic is None
-                else of_arms(ran, reading, THIS, cubic)
+                else arm_deviations(ran, reading, THIS, cubic)
             )
             for reading in (AS_IS, TWO_THIRDS)
         ]
@@ -127,7 +127,7 @@ def _thesis(scales: dict[float, Subject]) -> Table:
             (what, None if thesis is None else MILLIMETRES * thesis,
              *(MILLIMETRES * mean for mean in means))
         )  # fmt: skip
-    return Table(
+    return TablePart(
         'fidelity_thesis',
         "The thesis's summary (mean deviation from Kuechle et al. 1997; flexion, abduction and "
         'scaption) beside the same procedure here (from Ackland et al. 2008; flexion and '
@@ -136,19 +136,23 @@ def _thesis(scales: dict[float, Subject]) -> Table:
     )  # fmt: skip
 
 
-def _models(ours: Ours) -> Table:
+def _model_table(ours: Ours) -> TablePart:
     """Return the mean deviation of every model in every reading."""
-    published = {reading: of_published(reading) for reading in READINGS}
+    published = {reading: model_deviations(reading) for reading in ANGLE_READINGS}
     rows: list[tuple[Cell, ...]] = [
-        (f'{THIS} x {scale:g}', *(MILLIMETRES * mean_of(ours[scale, each]) for each in READINGS))
+        (
+            f'{THIS} x {scale:g}',
+            *(MILLIMETRES * mean_size(ours[scale, each]) for each in ANGLE_READINGS),
+        )
         for scale in (1.0, HALF)
     ]
-    for name in rivals():
+    for name in published_models():
         means = (
-            [each for each in published[reading] if each.model == name] for reading in READINGS
+            [each for each in published[reading] if each.model == name]
+            for reading in ANGLE_READINGS
         )
-        rows.append((name, *(MILLIMETRES * mean_of(each) if each else None for each in means)))
-    return Table(
+        rows.append((name, *(MILLIMETRES * mean_size(each) if each else None for each in means)))
+    return TablePart(
         'fidelity_models',
         'Mean deviation of the moment arms of all models from the same measurement. With the '
         "rhythm (+r) the model's own angle is against the thorax: compared as it is, where the "
@@ -157,38 +161,40 @@ def _models(ours: Ours) -> Table:
     )  # fmt: skip
 
 
-def _every(ours: Ours) -> Table:
+def _deviation_table(ours: Ours) -> TablePart:
     found: Iterable[tuple[str, Deviation]] = [
         *(
             (f'{each.model} x {scale:g}', each)
             for (scale, _), all_ in ours.items()
             for each in all_
         ),
-        *((each.model, each) for reading in READINGS for each in of_published(reading)),
+        *((each.model, each) for reading in ANGLE_READINGS for each in model_deviations(reading)),
     ]
     rows: list[tuple[Cell, ...]] = [
         (name, each.reading.name, each.head, each.motion, len(each.differences),
-         MILLIMETRES * each.mean, MILLIMETRES * each.worst, round(DEGREES * each.worst_at))
+         MILLIMETRES * each.mean, MILLIMETRES * each.worst, round(DEGREES * each.worst_angle))
         for name, each in found
     ]  # fmt: skip
-    return Table(
+    return TablePart(
         'fidelity_all', 'Every model, reading, head and motion',
         ('model', 'reading', 'head', 'motion', 'steps', 'mean_mm', 'worst_mm', 'at_deg'), rows,
-        shown=False,
+        visible=False,
     )  # fmt: skip
 
 
-def _verdicts(subject: Subject, ours: Ours) -> str:
+def _verdict_text(subject: Subject, ours: Ours) -> str:
     """Return what agrees, what does not and what is unknown of the published deltoid."""
     readings = (AS_IS, TWO_THIRDS)
-    turned = simulate_all(subject.muscle, [motion.turned(BACK) for motion in MOTIONS])
-    planes = _and(mean_of(of_arms(turned, each, THIS)) for each in readings)
-    whole, half = (_and(mean_of(ours[scale, each]) for each in readings) for scale in (1.0, HALF))
+    turned = simulate_motions(subject.muscle, [motion.rotate(BACK) for motion in MOTIONS])
+    planes = _join_mm(mean_size(arm_deviations(turned, each, THIS)) for each in readings)
+    whole, half = (
+        _join_mm(mean_size(ours[scale, each]) for each in readings) for scale in (1.0, HALF)
+    )
     arms = [each for reading in readings for each in ours[1.0, reading]]
-    lengths = [each for r in readings for each in of_lengths(subject.experiments, r, THIS)]
+    lengths = [each for r in readings for each in length_deviations(subject.experiments, r, THIS)]
 
     def off(head: str, motion: str, found: Sequence[Deviation] = arms) -> str:
-        return _and(each.mean for each in found if (each.head, each.motion) == (head, motion))
+        return _join_mm(each.mean for each in found if (each.head, each.motion) == (head, motion))
 
     return f"""
         Two figures are those of the angle as is and of two thirds of it, moment arms unscaled.
@@ -244,6 +250,6 @@ def _spread(subject: Subject) -> float:
     )
 
 
-def _and(lengths: Iterable[float]) -> str:
+def _join_mm(lengths: Iterable[float]) -> str:
     """Return lengths, m, as mm with 'and' between."""
     return f'{" and ".join(f"{MILLIMETRES * each:.1f}" for each in lengths)} mm'

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from ...drawing.units import DEGREES
+from ...drawing.units import DEGREES, MILLIMETRES
 from ...solver.states import WrapState
-from ..experiments import MILLIMETRES
-from ..interference import PRINTED, READINGS, REVERSED_Z, Checks, check
-from ..pictures import charts, figures
+from ..interference import (
+    FRAME_READINGS,
+    PRINTED,
+    REVERSED_Z,
+    Checks,
+    check_experiments,
+)
+from ..pictures import charts, poses
 from ..subject import Subject
-from .parts import Cell, Chapter, Picture, Table
+from .parts import Cell, Chapter, PicturePart, TablePart
 
 ALTERNATIVE = f"""
     Erratum 9 names an alternative reading: the z axis of the obstacle spheres' moving frame
@@ -24,16 +29,20 @@ LOST = """
 """
 
 
-def chapter(subject: Subject) -> Chapter:
+def interference_chapter(subject: Subject) -> Chapter:
     """Return the chapter on interference."""
     names = ', '.join(subject.muscle.interference_names)
     if not names:
         return Chapter('Interference', ['The model has no interference spheres.'])
     readings = {PRINTED: subject}
     if subject.is_published:
-        readings |= {name: subject.read_as(name) for name in READINGS if name != PRINTED}
-    found = {name: check(each.experiments) for name, each in readings.items()}
-    pictured = {name: found[name] for name in (PRINTED, REVERSED_Z) if name in found}
+        readings |= {
+            name: subject.with_frame_reading(name) for name in FRAME_READINGS if name != PRINTED
+        }
+    checked = {name: check_experiments(each.experiments) for name, each in readings.items()}
+    pictured = {
+        name: (readings[name], checked[name]) for name in (PRINTED, REVERSED_Z) if name in checked
+    }
     further = '' if subject.spheres is None else f'; those of `{subject.spheres}` among them'
     return Chapter('Interference', [
         f"""
@@ -43,26 +52,26 @@ def chapter(subject: Subject) -> Chapter:
         of each motion and counts with each, so that 26 poses are 24 different ones.
         """,
         *([LOST] if subject.is_published and subject.spheres is None else []),
-        *([_verdict(found[PRINTED]), ALTERNATIVE] if subject.is_published else []),
-        _summary(found),
-        _by_band(found),
-        Picture(
+        *([_verdict_text(checked[PRINTED]), ALTERNATIVE] if subject.is_published else []),
+        _summary_table(checked),
+        _band_table(checked),
+        PicturePart(
             'interference_depths',
             """How far bands pass under the surface of bone: mm of the deepest entry of each band at
             each pose; below it, small, the numbers of the spheres entered.""",
-            lambda: charts.depths(pictured),
+            lambda: charts.depths_figure({name: each for name, (_, each) in pictured.items()}),
         ),
-        Picture(
+        PicturePart(
             'interference_where',
             """Where: black is the part of a band within bone, white dots are the points nearest to
             the centres of the spheres that it enters; S4 is sphere 4.""",
-            lambda: figures.entries({name: (readings[name], found[name]) for name in pictured}),
+            lambda: poses.entries_figure(pictured),
         ),
-        _entries(found),
+        _entry_table(checked),
     ])  # fmt: skip
 
 
-def _verdict(checks: Checks) -> str:
+def _verdict_text(checks: Checks) -> str:
     """Return what the printed parameters do, in a paragraph."""
     entries = checks.entries
     deepest = max(entries, key=lambda each: each.depth)
@@ -77,9 +86,9 @@ def _verdict(checks: Checks) -> str:
     """
 
 
-def _summary(found: dict[str, Checks]) -> Table:
+def _summary_table(checked: dict[str, Checks]) -> TablePart:
     rows: list[tuple[Cell, ...]] = []
-    for name, checks in found.items():
+    for name, checks in checked.items():
         entries = checks.entries
         deepest = max((each.depth for each in entries), default=None)
         rows.append(
@@ -87,40 +96,40 @@ def _summary(found: dict[str, Checks]) -> Table:
              None if deepest is None else MILLIMETRES * deepest,
              *(sum(each.sphere == sphere for each in entries) for sphere in checks.spheres))
         )  # fmt: skip
-    spheres = next(iter(found.values())).spheres
-    return Table(
+    spheres = next(iter(checked.values())).spheres
+    return TablePart(
         'interference_summary', 'Interference by reading of the printed parameters',
         ('reading', 'checks', 'entries', 'poses', 'poses_with_entries', 'deepest_mm',
          *(f'entries_of_{sphere}' for sphere in spheres)), rows,
     )  # fmt: skip
 
 
-def _by_band(found: dict[str, Checks]) -> Table:
-    bands = next(iter(found.values())).experiments[0].states.solver.muscle.band_names
+def _band_table(checked: dict[str, Checks]) -> TablePart:
+    bands = next(iter(checked.values())).experiments[0].states.solver.muscle.band_names
     rows: list[tuple[Cell, ...]] = []
     for k, band in enumerate(bands):
         cells: list[Cell] = []
-        for checks in found.values():
+        for checks in checked.values():
             deepest = MILLIMETRES * float(checks.deepest_by_band[k])
             cells += [int(checks.by_band[k]), deepest if deepest >= 0.0 else None]
         rows.append((band, *cells))
     columns = [
         f'{name.replace(",", "").replace(" ", "_")}_{quantity}'
-        for name in found for quantity in ('entries', 'deepest_mm')
+        for name in checked for quantity in ('entries', 'deepest_mm')
     ]  # fmt: skip
-    return Table('interference_by_band', 'Entries and the deepest one of each band',
+    return TablePart('interference_by_band', 'Entries and the deepest one of each band',
                  ('band', *columns), rows)  # fmt: skip
 
 
-def _entries(found: dict[str, Checks]) -> Table:
+def _entry_table(checked: dict[str, Checks]) -> TablePart:
     rows: list[tuple[Cell, ...]] = [
         (name, each.motion, round(DEGREES * each.angle), each.band, each.sphere,
          MILLIMETRES * each.depth, *(MILLIMETRES * x for x in each.point),
          WrapState(each.wrap).name.lower())
-        for name, checks in found.items() for each in checks.entries
+        for name, checks in checked.items() for each in checks.entries
     ]  # fmt: skip
-    return Table(
+    return TablePart(
         'interference_entries', 'Every entry, with the point of the path that lies deepest',
         ('reading', 'motion', 'angle_deg', 'band', 'sphere', 'depth_mm', 'x_mm', 'y_mm', 'z_mm',
-         'wrap_state'), rows, shown=False,
+         'wrap_state'), rows, visible=False,
     )  # fmt: skip

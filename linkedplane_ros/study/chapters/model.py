@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..attachments import positions
-from ..experiments import MILLIMETRES
-from ..pictures import figures
+from ...drawing.units import MILLIMETRES
+from ..attachments import compare_positions
+from ..pictures import poses
 from ..subject import Subject
-from .parts import Cell, Chapter, Part, Picture, Table
+from .parts import Cell, Chapter, Part, PicturePart, TablePart
 
 ERRATA: tuple[tuple[int, str, str, str], ...] = (
     (1, 'Table 6.1.2', 'B12 is printed as a copy of A12 (30621.7357335389)',
@@ -33,7 +33,7 @@ OTHER = """
 """
 
 
-def chapter(subject: Subject) -> Chapter:
+def model_chapter(subject: Subject) -> Chapter:
     """Return the chapter on the model."""
     muscle = subject.muscle
     heads = ', '.join(f'{head.name} ({head.represented_by})' for head in muscle.heads)
@@ -45,52 +45,52 @@ def chapter(subject: Subject) -> Chapter:
         Frames: right scapula, x lateral, y anterior, z superior, origin at the glenohumeral centre;
         the humerus frame coincides with it when the arm hangs.
         """,
-        Picture(
+        PicturePart(
             'e1_attachments',
             """E.1. Attachments with the arm at the side: the bands (coloured, numbered) within
             their whole span (bone-coloured). Large spheres: the interference spheres, which stand
             for bone here; cylinder: the humeral shaft, schematic. The thesis draws reconstructed
-            bones, which are not to be had.""",
-            lambda: figures.attachments(subject),
+            bones, which are not available.""",
+            lambda: poses.attachments_figure(subject),
         ),
-        Picture(
+        PicturePart(
             'e2_spheres',
             """E.2. The obstacle spheres with the arm at the side. A sphere and the attachments of
             its band have one colour and one number.""",
-            lambda: figures.obstacles(subject),
+            lambda: poses.obstacles_figure(subject),
         ),
-        Picture(
+        PicturePart(
             'e3_e6_to_e9_poses',
             """E.3 and E.6 to E.9. The muscle at the poses, and from the sides, that the thesis
             shows. Bone is drawn through: bands within it can be seen.""",
-            lambda: figures.poses(subject),
+            lambda: poses.poses_figure(subject),
         ),
-        Picture(
+        PicturePart(
             'e10_montage',
             'E.10. From extension to flexion. The thesis names no angles; these are ours.',
-            lambda: figures.montage(subject),
+            lambda: poses.montage_figure(subject),
         ),
-        *(_printed(subject) if subject.is_published else [OTHER]),
+        *(_printed_parts(subject) if subject.is_published else [OTHER]),
     ])  # fmt: skip
 
 
-def _printed(subject: Subject) -> list[Part]:
+def _printed_parts(subject: Subject) -> list[Part]:
     """Return the thesis's tables of attachments, done again, and its errata."""
     return [
         """
         The thesis prints the attachments. Here they are, from its polynomials, beside what it
         prints: they agree to 1e-5 mm but for the rows marked.
         """,
-        _positions(subject, '6.2.1', 'origins, scapula frame'),
-        _positions(subject, '6.2.2', 'insertions, humerus frame'),
-        Table(
+        _position_table(subject, '6.2.1', 'origins, scapula frame'),
+        _position_table(subject, '6.2.2', 'insertions, humerus frame'),
+        TablePart(
             'errata', 'Errata of the thesis, and what is taken instead',
             ('number', 'where', 'what', 'taken'), ERRATA,
         ),
     ]  # fmt: skip
 
 
-def _positions(subject: Subject, table: str, what: str) -> Table:
+def _position_table(subject: Subject, table: str, what: str) -> TablePart:
     rows: list[tuple[Cell, ...]] = [
         (
             each.band,
@@ -99,10 +99,10 @@ def _positions(subject: Subject, table: str, what: str) -> Table:
             *(MILLIMETRES * x for x in each.printed.point),
             each.printed.erratum,
         )
-        for each in positions(subject.muscle, table)
+        for each in compare_positions(subject.muscle, table)
     ]
     axes = tuple(f'{axis}_mm' for axis in 'xyz')
-    return Table(
+    return TablePart(
         f'table_{table.replace(".", "_")}_{what.split(",")[0]}',
         f'Table {table}, done again: {what}',
         ('band', 's', *axes, *(f'printed_{axis}' for axis in axes), 'erratum'),

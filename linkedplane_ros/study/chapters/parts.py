@@ -21,7 +21,7 @@ PLACES = 6  # decimals of a number in a file: nm, micro-degrees
 
 
 @dataclass(frozen=True)
-class Table:
+class TablePart:
     """A table: a CSV file for machines and, if it is shown, Markdown for people."""
 
     name: str
@@ -30,10 +30,10 @@ class Table:
     columns: tuple[str, ...]
     """Names for machines; those of quantities end in _ and their unit: length_mm."""
     rows: Sequence[tuple[Cell, ...]]
-    shown: bool = True
-    """Whether the report shows its rows, and not only where they are."""
+    visible: bool = True
+    """Whether the report has its rows, and not only a link to the file."""
     digits: int = 1
-    """Decimals shown."""
+    """Decimals in the report."""
 
     def csv(self) -> str:
         """Return the file's text."""
@@ -50,7 +50,7 @@ class Table:
             for k in range(len(self.columns))
         ]
         return markdown_table(
-            [heading(name) for name in self.columns],
+            [column_heading(name) for name in self.columns],
             [[self._shown(cell) for cell in row] for row in self.rows],
             ''.join('r' if each else 'l' for each in numbers),
         )
@@ -63,7 +63,7 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Picture:
+class PicturePart:
     """A figure, made when the report is written."""
 
     name: str
@@ -73,7 +73,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Animation:
+class AnimationPart:
     """A GIF, made when the report is written."""
 
     name: str
@@ -81,7 +81,7 @@ class Animation:
     write: Callable[[Path], None]
 
 
-Part = str | Table | Picture | Animation
+Part = str | TablePart | PicturePart | AnimationPart
 """A string is a paragraph, or a list, of Markdown."""
 
 
@@ -93,7 +93,7 @@ class Chapter:
     parts: Sequence[Part]
 
 
-def heading(name: str) -> str:
+def column_heading(name: str) -> str:
     """Return a column's name for people: 'length_mm' is 'length (mm)'."""
     words = name.split('_')
     if words[-1] in UNITS and len(words) > 1:

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ...drawing.units import MILLIMETRES
 from ...rivals.breadth import Breadth, compare
 from ...rivals.cost import FINITE_ELEMENTS, Cost, cost
 from ...rivals.methods import LINKED
-from ..experiments import MILLIMETRES
 from ..pictures import rivals as rivals_chart
 from ..subject import Subject
-from .parts import Cell, Chapter, Picture, Table
+from .parts import Cell, Chapter, PicturePart, TablePart
 
 WAYS = 12
 JUMP = 1.0  # mm: more is a jump, and no rounding or kink
@@ -71,39 +71,39 @@ CLAIMS = (
 )  # fmt: skip
 
 
-def chapter(subject: Subject) -> Chapter:
+def rivals_chapter(subject: Subject) -> Chapter:
     """Return the chapter on the rivals."""
     if len(subject.muscle.band_names) < 2:
         return Chapter('Rivals', ['The muscle has a single band, which has no breadth to keep.'])
-    found = compare(subject.muscle, ways=WAYS)
+    breadths = compare(subject.muscle, ways=WAYS)
     return Chapter('Rivals', [
         INTRODUCTION,
-        _claims(found),
+        _claim_table(breadths),
         VERDICT,
-        Picture(
+        PicturePart(
             'rivals',
             """Each method over the thesis's motions, over the whole range of each coordinate alone,
             and over straight ways between random poses of the range.""",
-            lambda: rivals_chart.rivals(found),
+            lambda: rivals_chart.rivals_figure(breadths),
         ),
-        _breadth(found),
-        _obstacles(found),
+        _breadth_table(breadths),
+        _obstacle_table(breadths),
         f"""
         What a configuration takes, all bands, lengths and moment vectors, measured as this report
         was made, the methods taking turns; and, as published, {FINITE_ELEMENTS}.
         """,
-        _cost(cost(subject.muscle)),
+        _cost_table(cost(subject.muscle)),
     ])  # fmt: skip
 
 
-def _claims(found: Sequence[Breadth]) -> Table:
+def _claim_table(breadths: Sequence[Breadth]) -> TablePart:
     """Return, for each claim and set of motions, how many rivals do worse than linked planes."""
     rows: list[tuple[Cell, ...]] = []
     for claim in CLAIMS:
-        for motion in dict.fromkeys(each.motion for each in found):
+        for motion in dict.fromkeys(each.motion for each in breadths):
             values = {
                 each.method: claim.scale * claim.worse(each)
-                for each in found if each.motion == motion
+                for each in breadths if each.motion == motion
             }  # fmt: skip
             values = {name: v if v > claim.least else 0.0 for name, v in values.items()}
             linked = values.pop(LINKED)
@@ -113,7 +113,7 @@ def _claims(found: Sequence[Breadth]) -> Table:
                 (claim.words, claim.unit, motion, linked, f'{len(worse)} of {len(values)}',
                  worst, values[worst], _verdict(len(worse), len(values)))
             )  # fmt: skip
-    return Table(
+    return TablePart(
         'rivals_claims', "What the thesis says of independent bands, and how many of the rivals' "
         'do worse than linked ones (the same to 1 % counts as no worse)',
         ('claim', 'measured_as', 'motions', 'linked_planes', 'rivals_that_do_worse', 'worst_rival',
@@ -125,7 +125,7 @@ def _verdict(worse: int, of: int) -> str:
     return 'no' if not worse else 'yes' if worse == of else 'by some'
 
 
-def _breadth(found: Sequence[Breadth]) -> Table:
+def _breadth_table(breadths: Sequence[Breadth]) -> TablePart:
     rows: list[tuple[Cell, ...]] = [
         (each.method, each.motion, each.poses, MILLIMETRES * each.move,
          PER_DEGREE * each.slip,
@@ -133,9 +133,9 @@ def _breadth(found: Sequence[Breadth]) -> Table:
          each.spacing_least, each.spacing_most, each.breadth_least, each.breadth_most,
          PER_CENT * each.crossed, PER_CENT * each.wrapped, PER_CENT * each.inside,
          PER_CENT * each.in_bone, MILLIMETRES * each.deepest)
-        for each in found
+        for each in breadths
     ]  # fmt: skip
-    return Table(
+    return TablePart(
         'rivals', 'Each method and set of motions (slip in mm/deg; shares in per cent)',
         ('method', 'motions', 'poses', 'move_mm', 'slip', 'length_jump_mm', 'moment_jump_mm',
          'spacing_least', 'spacing_most', 'breadth_least', 'breadth_most', 'poses_crossed',
@@ -144,17 +144,17 @@ def _breadth(found: Sequence[Breadth]) -> Table:
     )  # fmt: skip
 
 
-def _obstacles(found: Sequence[Breadth]) -> Table:
+def _obstacle_table(breadths: Sequence[Breadth]) -> TablePart:
     rows: list[tuple[Cell, ...]] = list(
-        dict.fromkeys((each.method, each.obstacles) for each in found)
+        dict.fromkeys((each.method, each.obstacles) for each in breadths)
     )
-    return Table('rivals_obstacles', 'Their obstacles', ('method', 'obstacles'), rows)
+    return TablePart('rivals_obstacles', 'Their obstacles', ('method', 'obstacles'), rows)
 
 
-def _cost(found: Sequence[Cost]) -> Table:
+def _cost_table(breadths: Sequence[Cost]) -> TablePart:
     rows: list[tuple[Cell, ...]] = [
-        (each.method, MICROSECONDS * each.one_call, MICROSECONDS * each.batch) for each in found
+        (each.method, MICROSECONDS * each.one_call, MICROSECONDS * each.batch) for each in breadths
     ]
-    return Table(
+    return TablePart(
         'cost', 'Time for a configuration', ('method', 'one_call_us', 'in_a_batch_us'), rows,
     )  # fmt: skip

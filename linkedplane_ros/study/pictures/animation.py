@@ -1,4 +1,4 @@
-"""Flexion as a GIF: the bands and their planes, fanning and turning with theta."""
+"""Flexion as a GIF: the bands and their planes, which fan out and rotate with theta."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ...drawing.colours import band_shades
+from ...drawing.figure_files import house_style
 from ...drawing.units import DEGREES, MILLIMETRES
-from ..experiments import Experiment, simulate
+from ..experiments import Experiment, simulate_motion
 from ..subject import Subject
-from .figures import drawing
-from .posed import add_attachments, add_bands, add_bones, add_planes, band_colours, number_bands
-from .scene import LATERAL, SUPERIOR, Scene, frame
+from .muscle import add_attachments, add_bands, add_bones, add_planes, number_bands
+from .scene import LATERAL, SUPERIOR, Scene, set_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,14 +26,16 @@ COLOURS = 96
 STYLES = ('-', '--', ':', '-.')  # of the heads' curves, in turn
 
 
-def write(subject: Subject, path: Path, step: float = STEP) -> None:
+def write_animation(subject: Subject, path: Path, step: float = STEP) -> None:
     """Write flexion, there and back, as an endless GIF with a frame every `step`, rad."""
     from PIL import Image
 
     motion = subject.experiments[0].motion
-    one = simulate(subject.solver, motion, motion.angles(step), subject.scale)
-    with drawing():
-        there = [Image.fromarray(pixels(subject, one, at)) for at in range(len(one.angles))]
+    one = simulate_motion(subject.solver, motion, motion.angles(step), subject.scale)
+    with house_style():
+        there = [
+            Image.fromarray(render_frame(subject, one, pose)) for pose in range(len(one.angles))
+        ]
     palette = there[0].quantize(COLOURS)
     first, *others = [
         each.quantize(palette=palette, dither=Image.Dither.NONE)
@@ -44,44 +47,44 @@ def write(subject: Subject, path: Path, step: float = STEP) -> None:
     )  # fmt: skip
 
 
-def pixels(subject: Subject, one: Experiment, at: int) -> npt.NDArray[np.uint8]:
+def render_frame(subject: Subject, one: Experiment, pose: int) -> npt.NDArray[np.uint8]:
     """Return a frame's pixels (rows, columns, 3): from lateral, from above, moment arms."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, dpi=DPI)
     canvas: Any = FigureCanvasAgg(figure)
-    state = one.states[at]
+    state = one.states[pose]
     views = (
         (LATERAL, (0.0, 0.0, 0.39, 1.0), (0.0, 0.03, -0.02)),
         (SUPERIOR, (0.39, 0.0, 0.33, 1.0), (-0.018, 0.02, 0.0)),
     )
     for view, place, middle in views:
         axes = figure.add_axes(place)
-        frame(axes, view, middle, 0.11)
+        set_frame(axes, view, middle, 0.11)
         scene = Scene(view)
         for add in (add_bones, add_planes, add_bands, add_attachments):
             add(scene, state)
         scene.draw(axes)
         number_bands(axes, scene, state)
         axes.text(0.03, 0.98, view.name, transform=axes.transAxes, va='top', size=7.0)
-    turned = f'flexion {DEGREES * one.angles[at]:.0f}°, theta {DEGREES * state.theta:.0f}°'
-    figure.axes[0].text(0.03, 0.93, turned, transform=figure.axes[0].transAxes, va='top', size=8.0)
-    _chart(figure.add_axes((0.785, 0.15, 0.2, 0.68)), subject, one, at)
+    angles = f'flexion {DEGREES * one.angles[pose]:.0f}°, theta {DEGREES * state.theta:.0f}°'
+    figure.axes[0].text(0.03, 0.93, angles, transform=figure.axes[0].transAxes, va='top', size=8.0)
+    _chart(figure.add_axes((0.785, 0.15, 0.2, 0.68)), subject, one, pose)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba(), dtype=np.uint8)[..., :3].copy()
 
 
-def _chart(axes: Axes, subject: Subject, one: Experiment, at: int) -> None:
-    """Draw the heads' moment arms over the angle, and where the motion stands."""
+def _chart(axes: Axes, subject: Subject, one: Experiment, pose: int) -> None:
+    """Draw the heads' moment arms over the angle, and mark the pose."""
     angles, arms = DEGREES * one.angles, MILLIMETRES * one.arms
     for place, head in enumerate(subject.muscle.heads):
         k = one.column(head.name)
-        colour = band_colours(subject.muscle)[k]
+        colour = band_shades(subject.muscle)[k]
         axes.plot(angles, arms[:, k], STYLES[place % len(STYLES)], color=colour, label=head.name)
-        axes.plot(angles[at], arms[at, k], 'o', color=colour, markersize=4.0, clip_on=False)
+        axes.plot(angles[pose], arms[pose, k], 'o', color=colour, markersize=4.0, clip_on=False)
     axes.axhline(0.0, color='0.6', linewidth=0.5, zorder=0.5)
-    axes.axvline(angles[at], color='0.6', linewidth=0.5, zorder=0.5)
+    axes.axvline(angles[pose], color='0.6', linewidth=0.5, zorder=0.5)
     scaled = '' if subject.scale == 1.0 else f'{subject.scale:g} x '
     axes.set(xlim=(0.0, angles[-1]), xlabel='flexion (deg)', ylabel=f'{scaled}moment arm (mm)')
     axes.legend(loc='lower left', bbox_to_anchor=(0.0, 1.0), borderaxespad=0.3)

@@ -1,6 +1,6 @@
 """Lengths and moment arms over the angle (E.4, E.5), depths of interference, other models' arms.
 
-What colour tells is told again by line style, marker or lightness. mm and deg.
+What colour shows is shown again by line style, marker or lightness. mm and deg.
 """
 
 from __future__ import annotations
@@ -11,16 +11,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ...drawing.colours import band_shades
 from ...drawing.plot import DASHES
 from ...drawing.units import DEGREES, MILLIMETRES
 from ...types import Floats
 from ..experiments import MOTIONS, Experiment
-from ..fidelity import AS_IS, TWO_THIRDS, Reading, lengths_of
+from ..fidelity import AS_IS, TWO_THIRDS, AngleReading, integrate_arms
 from ..interference import Checks
-from ..literature import HEADS, RHYTHM, Curve, measured, published, rivals
+from ..literature import (
+    HEADS,
+    RHYTHM,
+    AngleCurve,
+    measured_arms,
+    published_curves,
+    published_models,
+)
 from ..subject import Subject
-from .figures import WIDTH
-from .posed import band_colours, named_bands
+from .muscle import named_bands
+from .poses import WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +38,7 @@ Marks = Mapping[str, tuple[Callable[[Experiment], Floats], str]]
 """Markers: what of an experiment they show, (m, n) m, and how the legend calls it."""
 
 ROW = 1.55  # inches: the height of a row of panels
-MEASURED: Mapping[Reading, Any] = {
+MEASURED: Mapping[AngleReading, Any] = {
     AS_IS: '-',
     TWO_THIRDS: (0, (4.0, 1.2)),
 }  # line styles of the measurement's readings
@@ -54,13 +62,13 @@ GRID = '0.93'  # the grey of the lines between cells
 DEEP = 21.0  # mm: what is black
 
 
-def lengths(subject: Subject) -> Figure:
+def lengths_figure(subject: Subject) -> Figure:
     """E.4: lengths of all bands over the angle, a row for each head, a column for each motion."""
     marks = {'o': (lambda one: one.lengths, 'every 10 deg, band that represents the head')}
-    return _over_angle(subject, 'length (mm)', marks, 'Ackland 2008, integrated', lengths_of)
+    return _over_angle(subject, 'length (mm)', marks, 'Ackland 2008, integrated', integrate_arms)
 
 
-def moment_arms(subject: Subject) -> Figure:
+def moment_arms_figure(subject: Subject) -> Figure:
     """E.5: moment arms of all bands over the angle; exact, and the thesis's from cubics."""
     marks = {
         'o': (lambda one: one.arms, 'exact, every 10 deg, band that represents the head'),
@@ -78,11 +86,11 @@ def _over_angle(
     label: str,
     marks: Marks,
     measurement: str,
-    made: Callable[[Curve, float], Curve],
+    convert: Callable[[AngleCurve, float], AngleCurve],
 ) -> Figure:
     """Draw the first of the marked quantities as lines, all of them as marks, and what is measured.
 
-    `made` turns measured moment arms, and the model's first value, into what is shown of them.
+    `convert` turns measured moment arms, and the model's first value, into the curve that is drawn.
     """
     figure, panels = _page([head.name for head in subject.muscle.heads], label)
     (quantity, _), *_ = marks.values()
@@ -93,24 +101,24 @@ def _over_angle(
             for marker, (values, _) in marks.items():
                 axes.plot(DEGREES * tabled.angles, MILLIMETRES * values(tabled)[:, k],
                           linestyle='', marker=marker, clip_on=False, **MARK)  # fmt: skip
-            curve = measured().get((head.name, one.motion.name))
+            curve = measured_arms().get((head.name, one.motion.name))
             if subject.is_comparable and curve is not None:
                 for reading in MEASURED:
-                    there = made(reading.of(curve), float(quantity(one)[0, k]))
+                    there = convert(reading.apply(curve), float(quantity(one)[0, k]))
                     _measured(axes, there, reading, one.motion.last)
     _legend(figure, subject, {marker: text for marker, (_, text) in marks.items()}, measurement)
     return figure
 
 
-def fidelity(subject: Subject) -> Figure:
+def fidelity_figure(subject: Subject) -> Figure:
     """Measured moment arms beside ours and those of published models, heads by motions."""
     figure, panels = _page(HEADS, 'moment arm (mm)', foot=0.78)
     for row, head in enumerate(HEADS):
         for column, one in enumerate(subject.curves):
             axes, motion = panels[row, column], one.motion.name
             axes.axhline(0.0, color='0.6', linewidth=0.5, zorder=0.5)
-            for name, (colour, style, marker) in zip(rivals(), MODELS, strict=True):
-                curve = published()[name][head, motion]
+            for name, (colour, style, marker) in zip(published_models(), MODELS, strict=True):
+                curve = published_curves()[name][head, motion]
                 face = 'white' if name.endswith(RHYTHM) else colour
                 axes.plot(DEGREES * curve.angles, MILLIMETRES * curve.values, color=colour,
                           linestyle=style, linewidth=0.8, marker=marker, markersize=2.8,
@@ -119,14 +127,16 @@ def fidelity(subject: Subject) -> Figure:
             label = 'this model' if subject.scale == 1.0 else f'this model x {subject.scale:g}'
             axes.plot(DEGREES * one.angles, MILLIMETRES * arms, color=OURS, linewidth=2.0,
                       label=label)  # fmt: skip
-            if (head, motion) in measured():
+            if (head, motion) in measured_arms():
                 for reading in MEASURED:
-                    _measured(axes, reading.of(measured()[head, motion]), reading, one.motion.last)
+                    _measured(
+                        axes, reading.apply(measured_arms()[head, motion]), reading, one.motion.last
+                    )
     _below(figure, panels[0, 0].get_legend_handles_labels()[0], left=0.06, columns=5, foot=0.78)
     return figure
 
 
-def depths(readings: Mapping[str, Checks]) -> Figure:
+def depths_figure(readings: Mapping[str, Checks]) -> Figure:
     """How deep each band enters bone at each pose, a chart for each reading; mm and spheres."""
     from matplotlib.figure import Figure
 
@@ -165,10 +175,10 @@ def _cells(axes: Axes, left: float, deep: Floats, spheres: Sequence[str]) -> Non
     axes.vlines(left + np.arange(m + 1), 0.0, n, color=GRID, linewidth=0.5)
     axes.hlines(np.arange(n + 1), left, left + m, color=GRID, linewidth=0.5)
     numbers = [name.rpartition('_')[2] for name in spheres]
-    for at, band in np.argwhere(deepest >= 0.0).tolist():
-        depth = float(deepest[at, band])
-        entered = [each for each, mm in zip(numbers, deep[at, band], strict=True) if mm >= 0.0]
-        ink, x = 'white' if shades[at, band] < 0.45 else 'black', left + at + 0.5
+    for pose, band in np.argwhere(deepest >= 0.0).tolist():
+        depth = float(deepest[pose, band])
+        entered = [each for each, mm in zip(numbers, deep[pose, band], strict=True) if mm >= 0.0]
+        ink, x = 'white' if shades[pose, band] < 0.45 else 'black', left + pose + 0.5
         style: dict[str, Any] = {'ha': 'center', 'va': 'center', 'color': ink}
         axes.text(x, band + 0.34, f'{depth:.0f}' if depth >= 0.5 else '<1', size=6.0, **style)
         axes.text(x, band + 0.76, ','.join(entered), size=4.0, **style)
@@ -202,12 +212,12 @@ def _bands(
     for lane, band in enumerate(bands):
         k = muscle.band_names.index(band)
         axes.plot(
-            DEGREES * angles, MILLIMETRES * values[:, k], color=band_colours(muscle)[k],
+            DEGREES * angles, MILLIMETRES * values[:, k], color=band_shades(muscle)[k],
             linestyle=DASHES[(lane - len(bands)) % len(DASHES)], linewidth=1.0, label=band,
         )  # fmt: skip
 
 
-def _measured(axes: Axes, curve: Curve, reading: Reading, last: float) -> None:
+def _measured(axes: Axes, curve: AngleCurve, reading: AngleReading, last: float) -> None:
     """Draw a measured curve, as far as the motion goes, to its last angle, rad."""
     within = curve.angles <= last
     axes.plot(

@@ -35,8 +35,8 @@ SMALL = 6.0  # points: the size of a picture's words
 
 
 @dataclass(frozen=True)
-class View:
-    """Where one looks from: the picture's right and up, unit vectors at right angles."""
+class Viewpoint:
+    """The direction of a view: the picture's right and up, orthogonal unit vectors."""
 
     name: str
     right: Triple
@@ -53,18 +53,18 @@ class View:
 
 
 _C, _S = np.cos(np.radians(40.0)).item(), np.sin(np.radians(40.0)).item()
-LATERAL = View('from lateral', (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-FRONTAL = View('from the front', (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-POSTERIOR = View('from behind', (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-SUPERIOR = View('from above', (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-TOP_BACK = View('from behind and above', (1.0, 0.0, 0.0), (0.0, _S, _C))
+LATERAL = Viewpoint('from lateral', (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+FRONTAL = Viewpoint('from the front', (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+POSTERIOR = Viewpoint('from behind', (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+SUPERIOR = Viewpoint('from above', (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+TOP_BACK = Viewpoint('from behind and above', (1.0, 0.0, 0.0), (0.0, _S, _C))
 
 
 class Scene:
-    """What is seen from one side; filled piece by piece, then drawn once."""
+    """A picture from one side; it is filled piece by piece, then drawn once."""
 
-    def __init__(self, view: View) -> None:
-        """Begin with nothing."""
+    def __init__(self, view: Viewpoint) -> None:
+        """Begin with an empty picture."""
         self.view = view
         self._outlines: list[Floats] = []  # (k, 2) along right and up, m
         self._colours: list[tuple[float, ...]] = []  # red, green, blue, alpha
@@ -117,7 +117,7 @@ class Scene:
 
         `towards` brings it, m, before what lies at the same depth.
         """
-        place = self.view.seen(fine(points))
+        place = self.view.seen(refine(points))
         step = place[1:] - place[:-1]
         aside = np.column_stack((-step[:, 1], step[:, 0]))
         aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-12)
@@ -161,7 +161,7 @@ class Scene:
         return drawn
 
 
-def frame(axes: Axes, view: View, centre: Triple, size: float) -> None:
+def set_frame(axes: Axes, view: Viewpoint, centre: Triple, size: float) -> None:
     """Set the picture's middle, at a point, and half its height, m; draw axes and a scale.
 
     The picture's shape is that of its axes.
@@ -175,7 +175,7 @@ def frame(axes: Axes, view: View, centre: Triple, size: float) -> None:
     axes.plot((left, left + 50.0), (bottom, bottom), color='black', linewidth=1.2)
     axes.text(left + 25.0, bottom + 0.02 * half, '50 mm', ha='center', va='bottom', size=SMALL)
     root = np.array((right + TRIAD * wide, bottom))
-    for names, seen in seen_axes(view):
+    for names, seen in visible_axes(view):
         tip = root + 0.17 * half * seen
         axes.annotate('', tuple(tip), tuple(root), arrowprops=ARROW)
         level = abs(seen[0]) > abs(seen[1])
@@ -187,34 +187,34 @@ def frame(axes: Axes, view: View, centre: Triple, size: float) -> None:
         )  # fmt: skip
 
 
-def seen_axes(view: View) -> list[tuple[str, Floats]]:
-    """Return the names and directions (2,) of the anatomical axes that show, like ones as one."""
-    found: list[tuple[str, Floats]] = []
+def visible_axes(view: Viewpoint) -> list[tuple[str, Floats]]:
+    """Return names and directions (2,) of the anatomical axes in view; parallel ones together."""
+    visible: list[tuple[str, Floats]] = []
     for name, axis in AXES.items():
         seen = view.seen(np.array(axis))[:2]
         size = float(np.hypot(*seen))
         if size < IN_VIEW:
             continue
-        for k, (other, there) in enumerate(found):
+        for k, (other, there) in enumerate(visible):
             if seen @ there > 0.94 * size * np.hypot(*there):
-                found[k] = f'{other}, {name}', there
+                visible[k] = f'{other}, {name}', there
                 break
         else:
-            found.append((name, seen))
-    return found
+            visible.append((name, seen))
+    return visible
 
 
-def fine(points: Floats, step: float = PIECE) -> Floats:
+def refine(points: Floats, step: float = PIECE) -> Floats:
     """Return a polyline (k, 3) with its points about `step`, m, apart."""
     along = np.concatenate(([0.0], np.linalg.norm(np.diff(points, axis=0), axis=1).cumsum()))
-    at = np.union1d(along, np.linspace(0.0, along[-1], int(along[-1] / step) + 2))
-    return np.column_stack([np.interp(at, along, column) for column in points.T])
+    distances = np.union1d(along, np.linspace(0.0, along[-1], int(along[-1] / step) + 2))
+    return np.column_stack([np.interp(distances, along, column) for column in points.T])
 
 
-def apart(points: Floats, fixed: Floats, least: float, rounds: int = 200) -> Floats:
-    """Return points (k, 2), pushed aside until none is nearer to another than about `least`.
+def push_apart(points: Floats, fixed: Floats, least: float, rounds: int = 200) -> Floats:
+    """Return points (k, 2), pushed apart to a distance of about `least` or more.
 
-    Nor to one of the fixed points (j, 2).
+    That is from each other, and from the fixed points (j, 2).
     """
     places = points + 1e-6 * np.arange(2 * len(points)).reshape(-1, 2)  # none on another
     for _ in range(rounds):

@@ -1,38 +1,36 @@
 """Pictures of the muscle in the manner of the thesis's Figures E.1 to E.3 and E.6 to E.10.
 
-The thesis draws reconstructed bones, which are not to be had: here the interference spheres stand
+The thesis draws reconstructed bones, which are not available: here the interference spheres stand
 for the scapula and the humeral head, and a cylinder for the humeral shaft.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...drawing.bones import BONE
-from ...drawing.figure_files import STYLE
+from ...drawing.colours import band_shades
 from ...drawing.units import DEGREES
-from ...errors import RecordingError
 from ...solver.states import MuscleState
-from ..attachments import of_whole_span
+from ...types import Point
+from ..attachments import span_attachments
 from ..interference import Checks
 from ..subject import Subject
-from .posed import (
+from .muscle import (
     add_attachments,
     add_bands,
     add_bones,
     add_entries,
     add_obstacles,
-    band_colours,
     named_bands,
     number_bands,
     number_bone,
     number_obstacles,
 )
-from .scene import FRONTAL, LATERAL, POSTERIOR, SUPERIOR, TOP_BACK, Scene, View, frame
+from .scene import FRONTAL, LATERAL, POSTERIOR, SUPERIOR, TOP_BACK, Scene, Viewpoint, set_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +39,7 @@ if TYPE_CHECKING:
 WIDTH = 7.2  # inches: of a page's text
 TITLE = 0.2  # inches: above a panel
 EXTENSION, FLEXION = -40.0, 80.0  # deg: E.10 names no angles
-DOWN, OVER = (0.0, 0.0, -0.035), (0.0, 0.0, 0.0)  # m: the middles of pictures
+DOWN = (0.0, 0.0, -0.035)  # m: the middle of a picture
 # Where bands enter bone: the pose that is deepest in each motion, and neutral
 ENTERED = (
     ('arm at the side', 'flexion', 0.0, LATERAL),
@@ -60,49 +58,36 @@ class Panel:
 
     title: str
     state: MuscleState
-    view: View
-    middle: tuple[float, float, float]
+    view: Viewpoint
+    middle: Point
     size: float
     """Half the picture's height, m."""
     adds: tuple[Add, ...]
     numbers: tuple[Number, ...] = (number_bands,)
 
 
-@contextmanager
-def drawing() -> Iterator[None]:
-    """Draw in the house's style; RecordingError without matplotlib."""
-    try:
-        import matplotlib
-    except ImportError:
-        raise RecordingError(
-            "a study needs the matplotlib library: pip install 'linkedplane_ros[tools]'"
-        ) from None
-    with matplotlib.rc_context(STYLE):
-        yield
-
-
-def attachments(subject: Subject) -> Figure:
+def attachments_figure(subject: Subject) -> Figure:
     """E.1: the attachments of the bands within their whole span."""
-    span = of_whole_span(subject.muscle)
+    span = span_attachments(subject.muscle)
     adds: tuple[Add, ...] = (add_bones, lambda s, state: add_attachments(s, state, span))
-    at = subject.at('flexion', 0.0)
-    return page(
+    neutral = subject.solve_pose('flexion', 0.0)
+    return draw_panels(
         [
-            Panel('from lateral', at, LATERAL, DOWN, 0.105, adds),
-            Panel('from above', at, SUPERIOR, (-0.02, 0.0, 0.0), 0.105, adds),
+            Panel('from lateral', neutral, LATERAL, DOWN, 0.105, adds),
+            Panel('from above', neutral, SUPERIOR, (-0.02, 0.0, 0.0), 0.105, adds),
         ],
         columns=2,
         height=2.9,
     )
 
 
-def obstacles(subject: Subject) -> Figure:
+def obstacles_figure(subject: Subject) -> Figure:
     """E.2: the obstacle spheres of all bands, with the attachments."""
-    at = subject.at('flexion', 0.0)
+    neutral = subject.solve_pose('flexion', 0.0)
     adds: tuple[Add, ...] = (add_bones, add_obstacles, add_attachments)
-    return page(
+    return draw_panels(
         [
-            Panel(view.name, at, view, DOWN, 0.105, adds, (number_bands, number_obstacles))
+            Panel(view.name, neutral, view, DOWN, 0.105, adds, (number_bands, number_obstacles))
             for view in (LATERAL, FRONTAL)
         ],
         columns=2,
@@ -110,34 +95,42 @@ def obstacles(subject: Subject) -> Figure:
     )
 
 
-def poses(subject: Subject) -> Figure:
+def poses_figure(subject: Subject) -> Figure:
     """E.3 and E.6 to E.9: the muscle at rest and at the ends of the motions."""
-    neutral = subject.at('flexion', 0.0)
+    neutral = subject.solve_pose('flexion', 0.0)
     flexed, raised, abducted = (
-        subject.at(*at) for at in (('flexion', 80.0), ('scaption', 80.0), ('abduction', 90.0))
+        subject.solve_pose(*pose)
+        for pose in (('flexion', 80.0), ('scaption', 80.0), ('abduction', 90.0))
     )
-    shown = (
+    panels = (
         ('E.3  arm at the side, from behind and above', neutral, TOP_BACK, (-0.01, 0.0, -0.035)),
         ('E.6  arm at the side, from lateral', neutral, LATERAL, DOWN),
         ('E.7  flexion 80°, from lateral', flexed, LATERAL, (0.0, 0.03, 0.0)),
         ('E.8  scaption 80°, from lateral', raised, LATERAL, (0.0, 0.02, 0.0)),
         ('E.9  abduction 90°, from the front', abducted, FRONTAL, (0.008, 0.0, 0.0)),
     )
-    figure = page(
-        [Panel(*each, 0.105, (add_bones, add_bands, add_attachments)) for each in shown],
+    figure = draw_panels(
+        [Panel(*each, 0.105, (add_bones, add_bands, add_attachments)) for each in panels],
         columns=3,
         height=2.55,
     )
-    key(figure, subject, left=0.7, bottom=0.1)
+    add_key(figure, subject, left=0.7, bottom=0.1)
     return figure
 
 
-def montage(subject: Subject) -> Figure:
+def montage_figure(subject: Subject) -> Figure:
     """E.10: from extension to flexion, from lateral."""
     adds: tuple[Add, ...] = (add_bones, add_bands, add_attachments)
-    return page(
+    return draw_panels(
         [
-            Panel(title, subject.at('flexion', degrees), LATERAL, (0.0, 0.01, -0.02), 0.115, adds)
+            Panel(
+                title,
+                subject.solve_pose('flexion', degrees),
+                LATERAL,
+                (0.0, 0.01, -0.02),
+                0.115,
+                adds,
+            )
             for title, degrees in (
                 (f'a)  extension {-EXTENSION:.0f}°', EXTENSION),
                 ('b)  neutral', 0.0),
@@ -149,7 +142,7 @@ def montage(subject: Subject) -> Figure:
     )
 
 
-def entries(readings: Mapping[str, tuple[Subject, Checks]]) -> Figure:
+def entries_figure(readings: Mapping[str, tuple[Subject, Checks]]) -> Figure:
     """Where bands enter bone, a row for each reading: black within bone, white where deepest."""
     panels = []
     for name, (subject, checks) in readings.items():
@@ -160,14 +153,16 @@ def entries(readings: Mapping[str, tuple[Subject, Checks]]) -> Figure:
                 if each.motion == motion and round(DEGREES * each.angle) == degrees
             ]
             adds = (add_bones, add_bands, add_attachments, partial(add_entries, entries=there))
-            state, middle = subject.at(motion, degrees), (0.012, 0.0, -0.025)
+            state, middle = subject.solve_pose(motion, degrees), (0.012, 0.0, -0.025)
             words = f'{name}\n{title}, {view.name}'
             numbers = (number_bands, number_bone)
             panels.append(Panel(words, state, view, middle, 0.125, adds, numbers))
-    return page(panels, columns=4, height=2.2, title=0.32)
+    return draw_panels(panels, columns=4, height=2.2, title=0.32)
 
 
-def page(panels: Sequence[Panel], columns: int, height: float, title: float = TITLE) -> Figure:
+def draw_panels(
+    panels: Sequence[Panel], columns: int, height: float, title: float = TITLE
+) -> Figure:
     """Return a page of pictures, so many in a row, each of a height in inches below its title."""
     from matplotlib.figure import Figure
 
@@ -178,7 +173,7 @@ def page(panels: Sequence[Panel], columns: int, height: float, title: float = TI
         row, column = divmod(k, columns)
         axes: Any = figure.add_axes((column * width, 1.0 - (row + 1) * step, width, step * share))
         axes.set_title(panel.title, loc='left', size=6.5, pad=3.0, x=0.02)
-        frame(axes, panel.view, panel.middle, panel.size)
+        set_frame(axes, panel.view, panel.middle, panel.size)
         scene = Scene(panel.view)
         for add in panel.adds:
             add(scene, panel.state)
@@ -188,7 +183,7 @@ def page(panels: Sequence[Panel], columns: int, height: float, title: float = TI
     return figure
 
 
-def key(figure: Figure, subject: Subject, left: float, bottom: float) -> None:
+def add_key(figure: Figure, subject: Subject, left: float, bottom: float) -> None:
     """Write which number and colour is which band, and what stands for bone."""
     from matplotlib.lines import Line2D
 
@@ -196,7 +191,7 @@ def key(figure: Figure, subject: Subject, left: float, bottom: float) -> None:
     handles = [
         Line2D([], [], color=colour, linewidth=2.5, label=f'{k}  {band}')
         for k, (band, colour) in enumerate(
-            zip(muscle.band_names, band_colours(muscle), strict=True), 1
+            zip(muscle.band_names, band_shades(muscle), strict=True), 1
         )
         if band in named_bands(muscle)
     ]

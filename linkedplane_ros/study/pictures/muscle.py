@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...drawing.bones import BONE, SHAFT_RADIUS, shaft_axis
-from ...drawing.colours import HEAD_COLOURS, shades
+from ...drawing.colours import band_shades
 from ...drawing.planes import plane_patches
 from ...muscle.broad_muscle import BroadMuscle
 from ...solver.states import MuscleState
 from ...types import Colour, Floats
 from ..attachments import Attachments
-from ..interference import Entry
-from .scene import SMALL, Scene, apart, fine
+from ..interference import SphereEntry
+from .scene import SMALL, Scene, push_apart, refine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,15 +30,6 @@ ASIDE = 0.008  # m: how far a band's number stands from its origin, and from the
 PAPER = {'boxstyle': 'round,pad=0.08', 'color': 'white', 'alpha': 0.6, 'linewidth': 0.0}
 MOST_NAMED = 12  # bands in a legend
 INSIDE: Colour = (0.0, 0.0, 0.0)  # what is in bone
-
-
-def band_colours(muscle: BroadMuscle) -> list[Colour]:
-    """Return each band's colour (n): its head's, from dark to light within the head."""
-    found: dict[str, Colour] = {}
-    for k, head in enumerate(muscle.heads):
-        colours = shades(HEAD_COLOURS[k % len(HEAD_COLOURS)], len(head.bands))
-        found.update(zip(head.bands, colours, strict=True))
-    return [found[band] for band in muscle.band_names]
 
 
 def named_bands(muscle: BroadMuscle) -> set[str]:
@@ -64,13 +55,13 @@ def add_attachments(scene: Scene, state: MuscleState, span: Attachments | None =
         for point in (*span.origins, *state.to_scapula(span.insertions)):
             scene.ball(point, SITE, BONE)
     for ends in (muscle.origins, state.insertions):
-        for point, colour in zip(ends, band_colours(muscle), strict=True):
+        for point, colour in zip(ends, band_shades(muscle), strict=True):
             scene.ball(point, ATTACHMENT, colour)
 
 
 def add_bands(scene: Scene, state: MuscleState) -> None:
     """Add the bands' paths."""
-    for path, colour in zip(state.paths(17), band_colours(state.solver.muscle), strict=True):
+    for path, colour in zip(state.paths(17), band_shades(state.solver.muscle), strict=True):
         scene.ribbon(path, BAND, colour)
 
 
@@ -78,7 +69,7 @@ def add_obstacles(scene: Scene, state: MuscleState) -> None:
     """Add the bands' obstacle spheres."""
     muscle = state.solver.muscle
     spheres = zip(
-        state.sphere_centres, muscle.sphere_radii.tolist(), band_colours(muscle), strict=True
+        state.sphere_centres, muscle.sphere_radii.tolist(), band_shades(muscle), strict=True
     )
     for centre, radius, colour in spheres:
         scene.ball(centre, radius, colour, OBSTACLE)
@@ -87,7 +78,7 @@ def add_obstacles(scene: Scene, state: MuscleState) -> None:
 def add_planes(scene: Scene, state: MuscleState, alpha: float = 0.12) -> None:
     """Add each band's plane: as much of it as lies about the band."""
     muscle = state.solver.muscle
-    drawn = zip(plane_patches(state, 1.0), state.paths(17), band_colours(muscle), strict=True)
+    drawn = zip(plane_patches(state, 1.0), state.paths(17), band_shades(muscle), strict=True)
     for (P, S, _, aside), path, colour in drawn:
         e = aside - P
         above = (float(((path - P) @ e).max()) + ABOVE) * e
@@ -95,11 +86,11 @@ def add_planes(scene: Scene, state: MuscleState, alpha: float = 0.12) -> None:
         scene.sheet(corners, colour, alpha)
 
 
-def add_entries(scene: Scene, state: MuscleState, entries: list[Entry]) -> None:
+def add_entries(scene: Scene, state: MuscleState, entries: list[SphereEntry]) -> None:
     """Add the parts of bands that lie in bone, before everything, and their deepest points."""
     muscle = state.solver.muscle
     for path in state.paths(65):
-        points = fine(path, step=0.0005)
+        points = refine(path, step=0.0005)
         inside = np.zeros(len(points), dtype=bool)
         for centre, radius in zip(
             muscle.interference_centres, muscle.interference_radii, strict=True
@@ -118,7 +109,7 @@ def number_bands(axes: Axes, scene: Scene, state: MuscleState) -> None:
     origins = scene.view.seen(state.solver.muscle.origins)[:, :2]
     away = origins - origins.mean(axis=0)
     away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-6)
-    places = apart(origins + ASIDE * away, origins, ASIDE)
+    places = push_apart(origins + ASIDE * away, origins, ASIDE)
     _number(axes, state.solver.muscle, places, origins)
 
 
@@ -127,7 +118,7 @@ def number_obstacles(axes: Axes, scene: Scene, state: MuscleState) -> None:
     muscle = state.solver.muscle
     rims = scene.view.seen(state.sphere_centres)[:, :2].copy()
     rims[:, 1] -= muscle.sphere_radii
-    places = apart(rims - np.array((0.0, ASIDE)), rims, 0.8 * ASIDE)
+    places = push_apart(rims - np.array((0.0, ASIDE)), rims, 0.8 * ASIDE)
     _number(axes, muscle, places, rims)
 
 
@@ -145,7 +136,7 @@ def number_bone(axes: Axes, scene: Scene, state: MuscleState) -> None:
 
 def _number(axes: Axes, muscle: BroadMuscle, places: Floats, things: Floats) -> None:
     """Write the bands' numbers at places (n, 2), m in the picture; a line leads to the thing."""
-    drawn = zip(places, things, band_colours(muscle), strict=True)
+    drawn = zip(places, things, band_shades(muscle), strict=True)
     for k, (place, thing, colour) in enumerate(drawn, 1):
         if muscle.band_names[k - 1] not in named_bands(muscle):
             continue
