@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Print a muscle model."""
-    from ..solver.report import report, schema_line
+    from ..solver.report import model_report, schema_line
 
     if args.schema:
         print(schema_line())
@@ -37,4 +37,4 @@ def run(args: argparse.Namespace) -> None:
         from ..drawing.picture import save_picture
 
         save_picture(muscle, Path(args.png))
-    print(*report(muscle), sep='\n')
+    print(*model_report(muscle), sep='\n')

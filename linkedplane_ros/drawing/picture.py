@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import ModelError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.check import DEFAULT_RANGE, told
+from ..solver.check import DEFAULT_RANGE, describe_pose
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleState, WrapState
 from ..types import Floats
@@ -81,7 +81,7 @@ def model_figure(muscle: BroadMuscle) -> Figure:
             axes.locator_params(nbins=4)
             for name, label in zip('xyz', ('lateral', 'anterior', 'superior'), strict=True):
                 getattr(axes, f'set_{name}label')(f'{name}, {label} (mm)', size=5, labelpad=-9)
-            title = f'{told(angles)}\n{side}' if row == 0 else side
+            title = f'{describe_pose(angles)}\n{side}' if row == 0 else side
             axes.set_title(title, size=8, y=0.96)
     add_caption(figure, muscle)
     figure.subplots_adjust(0.02, 0.05, 0.97, 0.93, 0.04, 0.04)

@@ -12,23 +12,26 @@ from ..linked_planes.band import WRAPPED
 from ..types import Floats
 from .states import MuscleState
 
-SHORT = 5e-5  # m: what half an arc spans at least to have a circle; else 1e-7 m are lost
+SHORT = 5e-5  # m: a shorter half arc has no circle, which would be 1e-7 m off
 
 
 def depths(state: MuscleState) -> tuple[Floats, Floats]:
     """Return how deep each of n bands enters each of k interference spheres, and where.
 
-    Depths (n, k), m: the sphere's radius less the distance of the path from its centre; negative
-    where the band keeps off by that much. Places (n, k, 3), m, scapula frame: the points of the
-    paths that are closest to the centres.
+    Returns
+    -------
+    Depths (n, k), m: the sphere's radius less the distance of the path from its centre; negative is
+    the distance to the sphere. Places (n, k, 3), m, scapula frame: the points of the paths that are
+    closest to the centres.
+
     """
     muscle = state.solver.muscle
     centres = state.solver.to_side(muscle.interference_centres)
-    places = closest(state, centres)
+    places = closest_points(state, centres)
     return muscle.interference_radii - np.linalg.norm(places - centres, axis=-1), places
 
 
-def closest(state: MuscleState, centres: Floats) -> Floats:
+def closest_points(state: MuscleState, centres: Floats) -> Floats:
     """Return the points (n, k, 3) of the n paths that are closest to the centres (k, 3), m."""
     n = len(state.lengths)
     P = state.solver.origins
@@ -36,33 +39,33 @@ def closest(state: MuscleState, centres: Floats) -> Floats:
     # a straight band is its line from P to S, and nothing more at S
     straight = state.wrap[:, np.newaxis] != WRAPPED
     Q, M, T = (np.where(straight, S, arcs[:, j]) for j in range(3))
-    lines = on_line(np.concatenate((P, T)), np.concatenate((Q, S)), centres)
-    candidates = np.stack((lines[:n], lines[n:], on_arc(Q, M, T, centres)))
-    best = squares(candidates - centres).argmin(axis=0)
+    lines = closest_on_lines(np.concatenate((P, T)), np.concatenate((Q, S)), centres)
+    candidates = np.stack((lines[:n], lines[n:], closest_on_arcs(Q, M, T, centres)))
+    best = squared_lengths(candidates - centres).argmin(axis=0)
     return np.asarray(np.take_along_axis(candidates, best[np.newaxis, ..., np.newaxis], axis=0)[0])
 
 
-def on_line(A: Floats, B: Floats, centres: Floats) -> Floats:
+def closest_on_lines(A: Floats, B: Floats, centres: Floats) -> Floats:
     """Return the points (n, k, 3) of the lines from A to B (n, 3) closest to centres (k, 3)."""
     along = B - A
-    size = np.maximum(squares(along), 1e-30)[:, np.newaxis]
+    size = np.maximum(squared_lengths(along), 1e-30)[:, np.newaxis]
     t = (along @ centres.T - np.sum(A * along, axis=1, keepdims=True)) / size
     ways: Floats = np.clip(t, 0.0, 1.0)[..., np.newaxis] * along[:, np.newaxis]
     return A[:, np.newaxis] + ways
 
 
-def on_arc(Q: Floats, M: Floats, T: Floats, centres: Floats) -> Floats:
+def closest_on_arcs(Q: Floats, M: Floats, T: Floats, centres: Floats) -> Floats:
     """Return the points (n, k, 3) of the arcs from Q over their middle M to T closest to centres.
 
     M where the closest point of the circle lies beyond the arc, so that Q or T, ends of the
     straight parts, is closer than any other of the arc; and for an arc too short for a circle.
     """
     side, up = T - Q, M - 0.5 * (Q + T)
-    width, height = np.sqrt(squares(side)), np.sqrt(squares(up))
+    width, height = np.sqrt(squared_lengths(side)), np.sqrt(squared_lengths(up))
     bent = (width > SHORT) & (height > 0.0)
     width, height = np.where(bent, width, 1.0), np.where(bent, height, 1.0)
     e1, e2 = up / height[:, np.newaxis], side / width[:, np.newaxis]  # from the centre to M; across
-    r = squares(M - Q) / (2.0 * height)
+    r = squared_lengths(M - Q) / (2.0 * height)
     o = M - r[:, np.newaxis] * e1
     w = centres - o[:, np.newaxis]
     x, y = np.einsum('nki,ni->nk', w, e1), np.einsum('nki,ni->nk', w, e2)
@@ -75,6 +78,6 @@ def on_arc(Q: Floats, M: Floats, T: Floats, centres: Floats) -> Floats:
     return np.where(on[..., np.newaxis], point, M[:, np.newaxis])
 
 
-def squares(vectors: Floats) -> Floats:
+def squared_lengths(vectors: Floats) -> Floats:
     """Return the squared lengths of vectors (..., 3)."""
     return np.asarray(np.einsum('...i,...i->...', vectors, vectors))

@@ -9,32 +9,32 @@ import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
-from .check import looked_over
+from .check import check_model
 from .linked_plane_solver import LinkedPlaneSolver
 from .states import WrapState
 
 
-def report(muscle: BroadMuscle) -> Iterator[str]:
-    """Yield the lines: the model, its bands with the arm at the side, what will hurt."""
-    heads = counted(len(muscle.heads), 'head')
-    yield f'{muscle.name}: {counted(len(muscle.band_names), "band")}, {heads}'
+def model_report(muscle: BroadMuscle) -> Iterator[str]:
+    """Yield the lines: the model, its bands with the arm at the side, warnings."""
+    heads = count_text(len(muscle.heads), 'head')
+    yield f'{muscle.name}: {count_text(len(muscle.band_names), "band")}, {heads}'
     yield muscle.source
     yield f'licence: {muscle.licence or "not stated"}'
     yield 'right shoulder; x lateral, y anterior, z superior; lengths in mm, angles in rad'
-    yield from spheres(muscle)
+    yield from sphere_lines(muscle)
     yield ''
-    yield from bands(muscle)
+    yield from band_lines(muscle)
     yield ''
     for head in muscle.heads:
         yield f'{head.name}: {", ".join(head.bands)}; represented by {head.represented_by}'
     for mark in muscle.landmarks:
         at = ' '.join(f'{1e3 * x:.1f}' for x in mark.at)
         yield f'landmark {mark.name}: {mark.bone} {at}'
-    yield from warnings(muscle)
+    yield from warning_lines(muscle)
 
 
-def spheres(muscle: BroadMuscle) -> Iterator[str]:
-    """Tell what the obstacle spheres move with, and how many there are."""
+def sphere_lines(muscle: BroadMuscle) -> Iterator[str]:
+    """Yield what the obstacle spheres move with, and how many there are."""
     places = {
         'moving': "in their bands' moving frames",
         'ground': 'on the scapula',
@@ -45,13 +45,13 @@ def spheres(muscle: BroadMuscle) -> Iterator[str]:
         bands = [each for first, each in shared.items() if muscle.sphere_frames[first] == frame]
         if bands:
             yield (
-                f'{counted(len(bands), "obstacle sphere")} {place}, '
-                f'for {counted(sum(map(len, bands)), "band")}'
+                f'{count_text(len(bands), "obstacle sphere")} {place}, '
+                f'for {count_text(sum(map(len, bands)), "band")}'
             )
 
 
-def bands(muscle: BroadMuscle) -> Iterator[str]:
-    """Tell of each band's ends, sphere and length with the arm at the side."""
+def band_lines(muscle: BroadMuscle) -> Iterator[str]:
+    """Yield a table: each band's ends, sphere and length with the arm at the side."""
     state = LinkedPlaneSolver(muscle).solve(np.eye(3))
     yield (f'{"band":<14}{"head":<12}{"origin (scapula)":>24}{"insertion (humerus)":>24}'
            f'{"radius":>8}{"phi":>8}{"length":>8}  wrap')  # fmt: skip
@@ -68,24 +68,24 @@ def bands(muscle: BroadMuscle) -> Iterator[str]:
     yield f'arm at the side: theta {state.theta:.6f} rad, total {1e3 * state.total_length:.3f} mm'
 
 
-def warnings(muscle: BroadMuscle) -> Iterator[str]:
-    """Tell where the muscle was looked over, and what was found."""
-    look = looked_over(muscle)
+def warning_lines(muscle: BroadMuscle) -> Iterator[str]:
+    """Yield the range of motion that was checked, and what is wrong there."""
+    check = check_model(muscle)
     spans = ', '.join(
         f'{name} {low:.0f} to {high:.0f}'
-        for name, (low, high) in zip(COORDINATES, np.degrees(look.range_of_motion), strict=True)
+        for name, (low, high) in zip(COORDINATES, np.degrees(check.range_of_motion), strict=True)
     )
     whose = 'its' if muscle.range_of_motion else "the deltoid's (it states none)"
     yield (
-        f'range of motion, {whose}: {spans} deg; {counted(look.poses, "pose")} looked at, '
-        f'{counted(len(look.warnings), "warning")}'
+        f'range of motion, {whose}: {spans} deg; {count_text(check.poses, "pose")} looked at, '
+        f'{count_text(len(check.warnings), "warning")}'
     )
-    for line in look.warnings:
+    for line in check.warnings:
         yield f'warning: {line}'
 
 
-def counted(count: int, what: str) -> str:
-    """Return a number of things in words."""
+def count_text(count: int, what: str) -> str:
+    """Return a number of things in words: no band, 1 band, 2 bands."""
     return f'{count or "no"} {what}{"s" * (count != 1)}'
 
 

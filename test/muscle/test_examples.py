@@ -13,7 +13,7 @@ from ros_harness import ANSWERS, NodeProcess, Peer
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.muscle.file import bundled_models
 from linkedplane_ros.muscle.parts import Listed, Polynomial
-from linkedplane_ros.solver.check import looked_over
+from linkedplane_ros.solver.check import check_model
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 EXAMPLES = ('example_shared_sphere', 'example_humerus_spheres')
@@ -56,7 +56,7 @@ def test_the_examples_show_the_variations() -> None:
 
 @pytest.mark.parametrize('name', EXAMPLES)
 def test_an_example_has_nothing_to_warn_of(name: str) -> None:
-    assert looked_over(BroadMuscle.load(name)).warnings == ()
+    assert check_model(BroadMuscle.load(name)).warnings == ()
 
 
 @pytest.mark.parametrize('name', EXAMPLES)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, ModelError, WrapState
-from linkedplane_ros.solver.interference import closest
+from linkedplane_ros.solver.interference import closest_points
 from linkedplane_ros.study import interference
 from linkedplane_ros.study.experiments import MOTIONS, simulate_motion, simulate_motions
 from linkedplane_ros.study.interference import (
@@ -57,7 +57,7 @@ def test_the_distance_of_a_path_is_that_of_a_very_fine_polyline() -> None:
             paths = state.paths(1000)
             beside = [path[len(path) // 2] + random.normal(0.0, 0.01, 3) for path in paths]
             centres = np.array([*DELTOID.interference_centres, *beside])
-            for path, places in zip(paths, closest(state, centres), strict=True):
+            for path, places in zip(paths, closest_points(state, centres), strict=True):
                 for X, nearest in zip(centres, places, strict=True):
                     distance = np.linalg.norm(X - nearest)
                     assert distance == pytest.approx(distance_to_polyline(X, path), abs=2e-9)

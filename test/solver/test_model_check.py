@@ -13,9 +13,9 @@ from reference import Array
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.commands.main import main
-from linkedplane_ros.solver.check import DEFAULT_RANGE, looked_over
+from linkedplane_ros.solver.check import DEFAULT_RANGE, check_model
 from linkedplane_ros.solver.interference import depths
-from linkedplane_ros.solver.report import report
+from linkedplane_ros.solver.report import model_report
 
 DELTOID = BroadMuscle.load('deltoid')
 BONELESS = replace(
@@ -35,7 +35,7 @@ def rotations(limits: tuple[tuple[float, float], ...]) -> Array:
 
 
 def test_but_for_the_bones_the_published_deltoid_has_nothing_to_warn_of() -> None:
-    look = looked_over(BONELESS)
+    look = check_model(BONELESS)
     assert look.warnings == ()
     assert look.poses == 9 * 7 * 5
     assert look.range_of_motion == DELTOID.range_of_motion
@@ -51,13 +51,13 @@ def test_bands_that_enter_bone_are_told_with_their_depth() -> None:
         for band, d in zip(DELTOID.band_names, deep, strict=True)
         if d > 0.0
     ]
-    assert looked_over(still).warnings == tuple(expected)
+    assert check_model(still).warnings == tuple(expected)
     assert len(expected) == 2
 
 
 def test_a_model_that_states_no_range_is_looked_at_over_the_deltoids() -> None:
     np.testing.assert_allclose(DEFAULT_RANGE, DELTOID.range_of_motion, atol=1e-6)  # rad, as printed
-    assert looked_over(replace(DELTOID, range_of_motion=None)).range_of_motion == DEFAULT_RANGE
+    assert check_model(replace(DELTOID, range_of_motion=None)).range_of_motion == DEFAULT_RANGE
 
 
 @pytest.mark.parametrize(('end', 'centre'), [('origin', 'origins'), ('insertion', 'insertions')])
@@ -72,7 +72,7 @@ def test_an_attachment_inside_its_sphere_is_told_with_its_depth(end: str, centre
         sphere_radii=radii,
         range_of_motion=SMALL,
     )
-    [line] = looked_over(muscle).warnings
+    [line] = check_model(muscle).warnings
     assert line.startswith(
         f'middle_1: its {end} lies inside its obstacle sphere, up to 2.5 mm deep (flexion '
     )
@@ -87,7 +87,7 @@ def test_the_worst_pose_of_an_attachment_in_a_moving_sphere_is_told() -> None:
     ends = np.einsum('mij,nj->mni', poses, muscle.insertions)
     depths = 1e3 * (radii - np.linalg.norm(ends - centres, axis=2))
     told = {
-        line.split(':')[0]: line for line in looked_over(muscle).warnings if 'insertion' in line
+        line.split(':')[0]: line for line in check_model(muscle).warnings if 'insertion' in line
     }
     inside = (depths > 0.0).any(axis=0)
     assert set(told) == {name for name, it in zip(muscle.band_names, inside, strict=True) if it}
@@ -108,7 +108,7 @@ def test_a_normal_nearly_along_the_first_band_is_told() -> None:
     line = DELTOID.insertions[0] - DELTOID.origins[0]
     near = reference.unit(line) + 0.05 * DELTOID.reference_normal  # 3 deg off, the arm at the side
     muscle = replace(BONELESS, reference_normal=near, range_of_motion=((0.0, 0.0),) * 3)
-    [told] = looked_over(muscle).warnings
+    [told] = check_model(muscle).warnings
     sine = np.linalg.norm(np.cross(reference.unit(near), reference.unit(line)))
     off = np.degrees(np.arcsin(sine))
     assert told == (
@@ -121,7 +121,7 @@ def test_a_plane_angle_that_turns_the_fan_over_is_told() -> None:
     phi = DELTOID.plane_angles.copy()
     phi[4] = np.radians(130.0)
     muscle = replace(BONELESS, plane_angles=phi, range_of_motion=SMALL)
-    [told] = [line for line in looked_over(muscle).warnings if 'turns the fan over' in line]
+    [told] = [line for line in check_model(muscle).warnings if 'turns the fan over' in line]
     assert told.startswith('middle_2: its plane angle turns the fan over: it bulges up to 1')
     assert 'away from the band before' in told
     chains = [
@@ -144,7 +144,7 @@ def test_a_length_that_jumps_is_told_with_how_far() -> None:
         plane_angles=np.radians(np.full(5, 62.0)),
         range_of_motion=((-0.4, 1.6), (0.0, 1.0), (-0.8, 0.8)),
     )
-    told = [line for line in looked_over(muscle).warnings if 'its length jumps' in line]
+    told = [line for line in check_model(muscle).warnings if 'its length jumps' in line]
     match = re.fullmatch(
         r'(\w+): its length jumps, by up to ([\d.]+) mm \(flexion (\S+), abduction (\S+), '
         r'rotation (\S+) deg\); between [1-9]\d* of 802 pairs of neighbouring poses',
@@ -167,7 +167,7 @@ def test_poses_at_which_a_band_has_no_plane_are_told() -> None:
     insertions = DELTOID.insertions.copy()
     insertions[2] = THESIS.rotation(pose).T @ DELTOID.origins[2]
     muscle = replace(BONELESS, insertions=insertions, range_of_motion=DEFAULT_RANGE)
-    told = looked_over(muscle).warnings[0]
+    told = check_model(muscle).warnings[0]
     assert told.startswith('band anterior_3 has no plane at this pose')
     assert told.endswith('(flexion 80, abduction 60, rotation 0 deg); at 1 of 315 poses')
 
@@ -181,7 +181,7 @@ def test_info_prints_the_warnings_and_ends_well(
     out, err = capsys.readouterr()
     assert err == ''
     lines = [line for line in out.splitlines() if line.startswith('warning: ')]
-    look = looked_over(BroadMuscle.load(path))
+    look = check_model(BroadMuscle.load(path))
     assert lines == [f'warning: {line}' for line in look.warnings]
     assert f'315 poses looked at, {len(lines)} warnings' in out
 
@@ -194,12 +194,13 @@ def test_info_tells_what_the_spheres_move_with() -> None:
         sphere_radii=np.full(9, 0.02),
         licence='',
     )
-    lines = list(report(shared))
+    lines = list(model_report(shared))
     assert 'licence: not stated' in lines
     assert '1 obstacle sphere on the scapula, for 4 bands' in lines
     assert '1 obstacle sphere on the humerus, for 4 bands' in lines
     assert "1 obstacle sphere in their bands' moving frames, for 1 band" in lines
-    assert "9 obstacle spheres in their bands' moving frames, for 9 bands" in list(report(DELTOID))
+    lines = list(model_report(DELTOID))
+    assert "9 obstacle spheres in their bands' moving frames, for 9 bands" in lines
 
 
 def test_info_prints_the_line_for_an_editor(capsys: pytest.CaptureFixture[str]) -> None:
