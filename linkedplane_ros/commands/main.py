@@ -1,4 +1,4 @@
-"""The command `linkedplane`, put together from the modules of `commands`.
+"""The command `linkedplane`, assembled from the modules of `commands`.
 
 Exit status: 0 done, 1 the input is at fault (one line on stderr says what and where), 2 usage.
 """
@@ -41,8 +41,8 @@ def build_parser() -> argparse.ArgumentParser:
     return top
 
 
-def plain(argument: str) -> str:
-    """Return an argument, -1e-3 as -0.001: argparse takes the former for an option."""
+def expand_exponent(argument: str) -> str:
+    """Return an argument, -1e-3 as -0.001: argparse would take the former for an option."""
     if re.fullmatch(r'-\d*\.?\d+[eE][-+]?\d+', argument):
         return f'{Decimal(argument):f}'
     return argument
@@ -50,7 +50,7 @@ def plain(argument: str) -> str:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    words = [plain(arg) for arg in (sys.argv[1:] if args is None else args)]
+    words = [expand_exponent(arg) for arg in (sys.argv[1:] if args is None else args)]
     options = build_parser().parse_args(words)
     options.words = words
     try:
@@ -61,7 +61,7 @@ def main(args: Sequence[str] | None = None) -> int:
         return 1
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:  # whoever read the output has enough of it
+    except BrokenPipeError:  # the reader of the output has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 0

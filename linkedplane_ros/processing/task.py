@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from .. import __version__
-from ..errors import RecordingError
+from ..errors import LinkedPlaneError, RecordingError
 from ..joints.conventions import JointConvention
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
@@ -146,7 +146,7 @@ def solve_chunk(
     rotations, axes = convention.rotations_and_axes(chunk.angles, solver.side)
     try:
         states = solver.solve_batch(rotations)
-    except ValueError:
+    except LinkedPlaneError:
         good = np.array([has_planes(solver, each) for each in rotations])
         for stamp in chunk.stamps[~good].tolist():
             refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
@@ -160,7 +160,7 @@ def has_planes(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
     """Return whether every band has a plane at a rotation (3, 3)."""
     try:
         solver.solve(rotation)
-    except ValueError:
+    except LinkedPlaneError:
         return False
     return True
 
@@ -180,7 +180,7 @@ def run_task(task: Task, progress: Progress = lambda frames, share: None) -> Rep
     """
     try:
         return _run(task, progress)
-    except ValueError as error:
+    except LinkedPlaneError as error:
         return Report(task, fault=str(error))
     except Exception as error:  # whatever it is, the other recordings are still done
         return report_failure(task, error)

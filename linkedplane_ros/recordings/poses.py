@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.joint_state import Rejected
 from ..joints.sides import mirror_rotation
@@ -216,7 +217,7 @@ class PoseFrameReader:
             R = glenohumeral_rotation(R, self.bones.rhythm)
         try:
             a, b, c = self.convention.angles(R).tolist()
-        except ValueError as error:
+        except LinkedPlaneError as error:
             raise Rejected('no_angles', str(error)) from None
         return a, b, c
 

@@ -83,12 +83,12 @@ class Checks:
         return sum(int((each >= 0.0).any(axis=(1, 2)).sum()) for each in self.depths)
 
     @property
-    def by_band(self) -> npt.NDArray[np.int64]:
+    def entries_of_bands(self) -> npt.NDArray[np.int64]:
         """(n,) How many entries each band has."""
         return np.asarray(sum((each >= 0.0).sum(axis=(0, 2)) for each in self.depths))
 
     @property
-    def deepest_by_band(self) -> Floats:
+    def deepest_of_bands(self) -> Floats:
         """(n,) The deepest entry of each band, m; negative: the least clearance."""
         return np.asarray(np.max([each.max(axis=(0, 2)) for each in self.depths], axis=0))
 

@@ -116,8 +116,8 @@ def test_at_neutral_two_bands_enter_the_humeral_head_by_4_and_7_mm(
 
 
 def test_the_two_most_anterior_bands_enter_nothing(printed: Checks) -> None:
-    assert printed.by_band.tolist() == [0, 0, 11, 13, 14, 18, 30, 24, 22]
-    assert (printed.deepest_by_band[:2] < 0.0).all()
+    assert printed.entries_of_bands.tolist() == [0, 0, 11, 13, 14, 18, 30, 24, 22]
+    assert (printed.deepest_of_bands[:2] < 0.0).all()
 
 
 def test_nearly_half_of_the_entries_are_of_bands_that_touch_no_obstacle(
@@ -145,10 +145,10 @@ def test_with_z_reversed_bands_1_to_3_are_clear_and_7_to_9_are_not() -> None:
     found = read(REVERSED_Z)
     assert len(found.entries) == 72
     assert found.poses_entered == 17
-    assert found.by_band.tolist() == [0, 0, 0, 1, 6, 7, 15, 21, 22]
+    assert found.entries_of_bands.tolist() == [0, 0, 0, 1, 6, 7, 15, 21, 22]
     deepest = [0.0, 1.99, 5.96, 16.88, 15.65, 17.05, 18.09]
     np.testing.assert_allclose(
-        np.maximum(1e3 * found.deepest_by_band[2:], 0.0), deepest, atol=0.005
+        np.maximum(1e3 * found.deepest_of_bands[2:], 0.0), deepest, atol=0.005
     )
 
 

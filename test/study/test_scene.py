@@ -36,12 +36,12 @@ def test_a_view_is_right_handed_and_true_to_scale(view: Viewpoint) -> None:
     ],
 )
 def test_a_right_shoulder_is_seen_the_right_way_round(view: Viewpoint, right: str, up: str) -> None:
-    assert view.seen(np.array(AXES[right])).tolist() == [1.0, 0.0, 0.0]
-    assert view.seen(np.array(AXES[up])).tolist() == [0.0, 1.0, 0.0]
+    assert view.project(np.array(AXES[right])).tolist() == [1.0, 0.0, 0.0]
+    assert view.project(np.array(AXES[up])).tolist() == [0.0, 1.0, 0.0]
 
 
 def test_from_the_front_a_right_shoulder_lies_to_the_left() -> None:
-    assert FRONTAL.seen(np.array(AXES['lateral'])).tolist() == [-1.0, 0.0, 0.0]
+    assert FRONTAL.project(np.array(AXES['lateral'])).tolist() == [-1.0, 0.0, 0.0]
 
 
 def test_axes_that_look_alike_share_a_label() -> None:
@@ -53,8 +53,8 @@ def test_what_is_near_is_drawn_over_what_is_far() -> None:
 
     scene = Scene(LATERAL)
     near, far = np.array((0.05, 0.0, 0.0)), np.array((-0.05, 0.0, 0.0))
-    scene.ball(near, 0.01, (1.0, 0.0, 0.0))
-    scene.ball(far, 0.01, (0.0, 0.0, 1.0))
+    scene.add_sphere(near, 0.01, (1.0, 0.0, 0.0))
+    scene.add_sphere(far, 0.01, (0.0, 0.0, 1.0))
     drawn = scene.draw(Figure().add_subplot())
     faces = [tuple(face[:3]) for face in drawn.get_facecolor()]
     assert faces.index((0.0, 0.0, 1.0)) < faces.index((1.0, 0.0, 0.0))

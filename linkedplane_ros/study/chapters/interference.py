@@ -110,8 +110,8 @@ def _band_table(checked: dict[str, Checks]) -> TablePart:
     for k, band in enumerate(bands):
         cells: list[Cell] = []
         for checks in checked.values():
-            deepest = MILLIMETRES * float(checks.deepest_by_band[k])
-            cells += [int(checks.by_band[k]), deepest if deepest >= 0.0 else None]
+            deepest = MILLIMETRES * float(checks.deepest_of_bands[k])
+            cells += [int(checks.entries_of_bands[k]), deepest if deepest >= 0.0 else None]
         rows.append((band, *cells))
     columns = [
         f'{name.replace(",", "").replace(" ", "_")}_{quantity}'

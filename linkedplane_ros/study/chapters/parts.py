@@ -51,11 +51,11 @@ class TablePart:
         ]
         return markdown_table(
             [column_heading(name) for name in self.columns],
-            [[self._shown(cell) for cell in row] for row in self.rows],
+            [[self._format(cell) for cell in row] for row in self.rows],
             ''.join('r' if each else 'l' for each in numbers),
         )
 
-    def _shown(self, cell: Cell) -> str:
+    def _format(self, cell: Cell) -> str:
         if isinstance(cell, float):
             text = f'{cell:.{self.digits}f}'
             return text.lstrip('-') if float(text) == 0.0 else text

@@ -44,8 +44,8 @@ def add_bones(scene: Scene, state: MuscleState, alpha: float = VEIL) -> None:
     muscle = state.solver.muscle
     spheres = zip(muscle.interference_centres, muscle.interference_radii.tolist(), strict=True)
     for centre, radius in spheres:
-        scene.ball(centre, radius, BONE, alpha)
-    scene.rod(state.to_scapula(shaft_axis(muscle)), SHAFT_RADIUS, BONE)
+        scene.add_sphere(centre, radius, BONE, alpha)
+    scene.add_rod(state.to_scapula(shaft_axis(muscle)), SHAFT_RADIUS, BONE)
 
 
 def add_attachments(scene: Scene, state: MuscleState, span: Attachments | None = None) -> None:
@@ -53,16 +53,16 @@ def add_attachments(scene: Scene, state: MuscleState, span: Attachments | None =
     muscle = state.solver.muscle
     if span is not None:
         for point in (*span.origins, *state.to_scapula(span.insertions)):
-            scene.ball(point, SITE, BONE)
+            scene.add_sphere(point, SITE, BONE)
     for ends in (muscle.origins, state.insertions):
         for point, colour in zip(ends, band_shades(muscle), strict=True):
-            scene.ball(point, ATTACHMENT, colour)
+            scene.add_sphere(point, ATTACHMENT, colour)
 
 
 def add_bands(scene: Scene, state: MuscleState) -> None:
     """Add the bands' paths."""
     for path, colour in zip(state.paths(17), band_shades(state.solver.muscle), strict=True):
-        scene.ribbon(path, BAND, colour)
+        scene.add_ribbon(path, BAND, colour)
 
 
 def add_obstacles(scene: Scene, state: MuscleState) -> None:
@@ -72,7 +72,7 @@ def add_obstacles(scene: Scene, state: MuscleState) -> None:
         state.sphere_centres, muscle.sphere_radii.tolist(), band_shades(muscle), strict=True
     )
     for centre, radius, colour in spheres:
-        scene.ball(centre, radius, colour, OBSTACLE)
+        scene.add_sphere(centre, radius, colour, OBSTACLE)
 
 
 def add_planes(scene: Scene, state: MuscleState, alpha: float = 0.12) -> None:
@@ -83,7 +83,7 @@ def add_planes(scene: Scene, state: MuscleState, alpha: float = 0.12) -> None:
         e = aside - P
         above = (float(((path - P) @ e).max()) + ABOVE) * e
         corners = np.array((P - BELOW * e, P + above, S + above, S - BELOW * e))
-        scene.sheet(corners, colour, alpha)
+        scene.add_sheet(corners, colour, alpha)
 
 
 def add_entries(scene: Scene, state: MuscleState, entries: list[SphereEntry]) -> None:
@@ -99,14 +99,14 @@ def add_entries(scene: Scene, state: MuscleState, entries: list[SphereEntry]) ->
         edges = np.flatnonzero(np.diff(inside, prepend=False, append=False))
         for start, stop in edges.reshape(-1, 2).tolist():
             if stop - start > 1:
-                scene.ribbon(points[start:stop], 1.15 * BAND, INSIDE, towards=1.0)
+                scene.add_ribbon(points[start:stop], 1.15 * BAND, INSIDE, towards=1.0)
     for entry in entries:
-        scene.ball(np.array(entry.point), 0.0024, (1.0, 1.0, 1.0), towards=2.0)
+        scene.add_sphere(np.array(entry.point), 0.0024, (1.0, 1.0, 1.0), towards=2.0)
 
 
 def number_bands(axes: Axes, scene: Scene, state: MuscleState) -> None:
     """Write each band's number beside its origin, away from the others' middle."""
-    origins = scene.view.seen(state.solver.muscle.origins)[:, :2]
+    origins = scene.view.project(state.solver.muscle.origins)[:, :2]
     away = origins - origins.mean(axis=0)
     away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-6)
     places = push_apart(origins + ASIDE * away, origins, ASIDE)
@@ -116,7 +116,7 @@ def number_bands(axes: Axes, scene: Scene, state: MuscleState) -> None:
 def number_obstacles(axes: Axes, scene: Scene, state: MuscleState) -> None:
     """Write each band's number at the lowest point of its obstacle sphere's rim."""
     muscle = state.solver.muscle
-    rims = scene.view.seen(state.sphere_centres)[:, :2].copy()
+    rims = scene.view.project(state.sphere_centres)[:, :2].copy()
     rims[:, 1] -= muscle.sphere_radii
     places = push_apart(rims - np.array((0.0, ASIDE)), rims, 0.8 * ASIDE)
     _number(axes, muscle, places, rims)
@@ -125,7 +125,7 @@ def number_obstacles(axes: Axes, scene: Scene, state: MuscleState) -> None:
 def number_bone(axes: Axes, scene: Scene, state: MuscleState) -> None:
     """Write the number of each interference sphere, S4, at its rim away from the others."""
     muscle = state.solver.muscle
-    centres = scene.view.seen(muscle.interference_centres)[:, :2]
+    centres = scene.view.project(muscle.interference_centres)[:, :2]
     away = centres - centres.mean(axis=0) - (0.0, 1e-3)
     away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-6)
     places = 1e3 * (centres + (muscle.interference_radii[:, np.newaxis] - 0.5 * ASIDE) * away)

@@ -47,7 +47,7 @@ class Viewpoint:
         """(3, 3) rows: right, up and towards the viewer."""
         return np.array((self.right, self.up, np.cross(self.right, self.up)))
 
-    def seen(self, points: Floats) -> Floats:
+    def project(self, points: Floats) -> Floats:
         """Return points (..., 3) along right, up and towards the viewer."""
         return points @ self.axes.T
 
@@ -71,7 +71,7 @@ class Scene:
         self._rims: list[tuple[float, ...]] = []  # the same
         self._depths: list[float] = []  # m towards the viewer
 
-    def ball(
+    def add_sphere(
         self,
         centre: Floats,
         radius: float,
@@ -79,8 +79,8 @@ class Scene:
         alpha: float = 1.0,
         towards: float = 0.0,
     ) -> None:
-        """Add a sphere, as discs halfway before its centre; `towards` as for `ribbon`."""
-        right, up, near = self.view.seen(centre).tolist()
+        """Add a sphere, as discs halfway before its centre; `towards` as for `add_ribbon`."""
+        right, up, near = self.view.project(centre).tolist()
         turn = np.linspace(0.0, 2.0 * np.pi, 73)
         circle = radius * np.column_stack((np.cos(turn), np.sin(turn)))
         depth = near + 0.5 * radius + towards
@@ -91,9 +91,9 @@ class Scene:
             shine = (1.0 - k / GLOSS) * circle + middle + np.array((-aside, aside))
             self._add(shine, (1.0, 1.0, 1.0, 0.11 * alpha), depth + 1e-6 * k)
 
-    def rod(self, ends: Floats, radius: float, colour: Colour) -> None:
+    def add_rod(self, ends: Floats, radius: float, colour: Colour) -> None:
         """Add a cylinder between two ends (2, 3), behind everything."""
-        start, end = self.view.seen(ends)
+        start, end = self.view.project(ends)
         along = (end - start) / np.linalg.norm(end - start)
         first = np.cross(along, np.eye(3)[np.abs(along).argmin()])
         first /= np.linalg.norm(first)
@@ -112,12 +112,14 @@ class Scene:
                 depth = -1.0 + 1e-3 * float(normal[2])
                 self._add(corners[:, :2], (*(bright * np.array(colour)).tolist(), 1.0), depth)
 
-    def ribbon(self, points: Floats, width: float, colour: Colour, towards: float = 0.0) -> None:
+    def add_ribbon(
+        self, points: Floats, width: float, colour: Colour, towards: float = 0.0
+    ) -> None:
         """Add a polyline (k, 3) of a width, m, with white beside it where it passes others.
 
         `towards` brings it, m, before what lies at the same depth.
         """
-        place = self.view.seen(refine(points))
+        place = self.view.project(refine(points))
         step = place[1:] - place[:-1]
         aside = np.column_stack((-step[:, 1], step[:, 0]))
         aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-12)
@@ -130,9 +132,9 @@ class Scene:
                                    depths, strict=True):  # fmt: skip
                 self._add(quad, (*shade, 1.0), depth - back)
 
-    def sheet(self, corners: Floats, colour: Colour, alpha: float) -> None:
+    def add_sheet(self, corners: Floats, colour: Colour, alpha: float) -> None:
         """Add a flat, unlit surface (k, 3)."""
-        place = self.view.seen(corners)
+        place = self.view.project(corners)
         self._add(place[:, :2], (*colour, alpha), float(place[:, 2].mean()), rim=True)
 
     def _add(
@@ -166,7 +168,7 @@ def set_frame(axes: Axes, view: Viewpoint, centre: Triple, size: float) -> None:
 
     The picture's shape is that of its axes.
     """
-    right, up, _ = (1e3 * view.seen(np.array(centre))).tolist()
+    right, up, _ = (1e3 * view.project(np.array(centre))).tolist()
     box = axes.get_window_extent()
     half = 1e3 * size
     wide = half * box.width / box.height
@@ -191,7 +193,7 @@ def visible_axes(view: Viewpoint) -> list[tuple[str, Floats]]:
     """Return names and directions (2,) of the anatomical axes in view; parallel ones together."""
     visible: list[tuple[str, Floats]] = []
     for name, axis in AXES.items():
-        seen = view.seen(np.array(axis))[:2]
+        seen = view.project(np.array(axis))[:2]
         size = float(np.hypot(*seen))
         if size < IN_VIEW:
             continue
