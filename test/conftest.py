@@ -1,4 +1,4 @@
-"""What all tests share: a ROS domain of this process's own, the recordings, a clean /dev/shm."""
+"""What several folders share: a ROS domain of this process, its node, the recordings."""
 
 from __future__ import annotations
 
@@ -108,8 +108,8 @@ def segments() -> set[Path]:
 def no_segments_of_killed_processes() -> Iterator[None]:
     """Remove the segments of processes that the tests killed.
 
-    As `fastdds shm clean` tells: a process holds its segment's lock as long as it lives, and the
-    system drops the lock when it dies. A segment is made after its lock is taken.
+    A process holds its segment's lock as long as it lives, and the system drops the lock when it
+    dies (as in `fastdds shm clean`). A segment is created after its lock is taken.
     """
     before = segments()
     yield
