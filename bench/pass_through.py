@@ -36,7 +36,7 @@ class PassThrough(Node):
     """Publishes one and the same muscle state for every joint state."""
 
     def __init__(self) -> None:
-        """Solve once, for good."""
+        """Solve once."""
         super().__init__('pass_through')
         muscle = BroadMuscle.load('deltoid')
         self.state = LinkedPlaneSolver(muscle).solve(np.eye(3))
