@@ -25,7 +25,7 @@ import recordings
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.markdown import markdown_table
 from linkedplane_ros.linked_planes.compiled import COMPILED
-from linkedplane_ros.rivals.cost import best
+from linkedplane_ros.rivals.cost import best_times
 from linkedplane_ros.solver import linked_plane_solver as solver
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
@@ -81,7 +81,7 @@ def measure_rates(batches: Mapping[str, tuple[BroadMuscle, int, int]]) -> dict[s
 
     cores_before = solver.available_cores
     try:
-        times = best({name: batch(*each) for name, each in batches.items()})
+        times = best_times({name: batch(*each) for name, each in batches.items()})
     finally:
         solver.available_cores = cores_before
     return {name: frames / times[name] for name, (_, frames, _) in batches.items()}
@@ -161,8 +161,8 @@ def measure() -> dict[str, Any]:
     rotation = THESIS.rotation(POSE)
     figures: dict[str, Any] = {'machine': describe_machine(), 'compiled': COMPILED}
     calls, missing = other_engines(one)
-    figures.update(best({'call': lambda: one.solve(rotation), **calls}), **missing)
-    figures.update(best(criterion.criterion_calls(one)))
+    figures.update(best_times({'call': lambda: one.solve(rotation), **calls}), **missing)
+    figures.update(best_times(criterion.criterion_calls(one)))
     figures['call uncompiled'] = float(
         run_python(
             'import bench; one = bench.LinkedPlaneSolver(bench.BroadMuscle.load("deltoid"))\n'

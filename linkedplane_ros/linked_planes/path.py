@@ -95,14 +95,14 @@ def halfway(path: Path) -> tuple[Vector, Vector]:
     if not path.wrapped:
         return plus(path.P, times(0.5 * path.D, path.u)), path.u
     bent = path.r * path.arc
-    way = 0.5 * (path.tP + bent + path.tS)
+    half = 0.5 * (path.tP + bent + path.tS)
     t1u, t1e, t2u, t2e = path.t1u, path.t1e, path.t2u, path.t2e
-    if way <= path.tP:
-        x, y, tu, te = way * t1u, way * t1e, t1u, t1e
-    elif way >= path.tP + bent:
-        x, y, tu, te = path.D - way * t2u, -way * t2e, t2u, t2e
+    if half <= path.tP:
+        x, y, tu, te = half * t1u, half * t1e, t1u, t1e
+    elif half >= path.tP + bent:
+        x, y, tu, te = path.D - half * t2u, -half * t2e, t2u, t2e
     else:
-        turn = (way - path.tP) / path.r
+        turn = (half - path.tP) / path.r
         c, s = cos(turn), sin(turn)
         tu, te = t1u * c + t1e * s, t1e * c - t1u * s
         x, y = path.a - path.r * te, path.b + path.r * tu

@@ -1,4 +1,4 @@
-"""How well a method keeps a broad muscle together as the joint moves: measured, method by method.
+"""How well each method keeps a broad muscle together as the joint moves.
 
 The thesis says (ch. 1, 3 and 7) that independent bands slip off their obstacles, slip quickly round
 a sphere, and ignore each other, and that linked planes keep adjacent bands together in a natural
@@ -7,13 +7,13 @@ a quarter, half and three quarters of its length from its origin:
 
 * *spacing*: the distance between a band and its neighbour, over that with the arm at the side;
 * *breadth*: the sum of the spacings at half the length, over that with the arm at the side;
-* *crossed*: the order of two neighbours is reversed. Seen along the two, the one stands on the
-  other side of the other than at its origin, and than at its insertion; straight lines never do.
+* *crossed*: the order of two neighbours is reversed. Seen along the two, each is on the other side
+  of its neighbour than at their origins and than at their insertions; straight lines never are.
   (The order by angle about the joint's centre, or about the muscle's line, would be no measure: the
-  deltoid's row of origins is a horseshoe, seen folded from the front whatever the method.);
-* *move*: the farthest that the middle of a band moves from a pose to the next, half a degree on by
-  default (there is no telling how fast: round a sphere the middle may move without bound as a band
-  comes to lie across it);
+  deltoid's row of origins is a horseshoe, which looks folded from the front with every method.);
+* *move*: the farthest that the middle of a band moves from a pose to the next, half a degree apart
+  by default (not a speed: round a sphere the middle may move without bound as a band comes to lie
+  across its centre);
 * *slip*: how fast the middle of a band moves as the joint turns, all but the fastest hundredth;
 * *jump*: what is left of a change of length, beyond what the moment vectors explain, and of a
   change of a moment vector, as two poses come together;
@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..errors import LinkedPlaneError
 from ..linked_planes.band import INSIDE, MISSED, WRAPPED
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
@@ -39,16 +40,24 @@ from ..solver.states import MuscleStates
 from ..types import Floats
 from .bands import Bands, BandStates
 from .methods import Method, methods
-from .sweeps import STEP, WAYS, between, random_ways, single_axes, thesis_motions, turns_between
+from .sweeps import (
+    RANDOM_SWEEPS,
+    STEP,
+    poses_between,
+    random_sweeps,
+    single_axes,
+    thesis_motions,
+    turns_between,
+)
 
 FRACTIONS = (0.25, 0.5, 0.75)
 MIDDLE = 1
-POINTS = 10  # of an arc, where places on it are looked for
-LOOKED_AT = 3  # changes, the largest of each sweep, that may be jumps
-FINER = 8  # parts into which a step is divided, and
+POINTS = 10  # of an arc, on which places are found
+CANDIDATES = 3  # the largest changes of each sweep, which may be jumps
+PARTS = 8  # into which the step of such a change is divided, and
 LEVELS = 8  # how often
 USUAL = 0.99  # of the speeds, the slower ones
-TOGETHER = 1e-6  # m: bands no farther apart are one
+COINCIDENT = 1e-6  # m: bands no farther apart are one
 
 
 @dataclass(frozen=True)
@@ -57,7 +66,7 @@ class Breadth:
 
     method: str
     obstacles: str
-    """How its obstacles were chosen: nobody has published any for the rivals' deltoid."""
+    """How its obstacles were chosen: none are published for the rivals' deltoid."""
     motion: str
     poses: int
     spacing_least: float
@@ -85,35 +94,50 @@ class Breadth:
 
 
 def compare(
-    muscle: BroadMuscle, ways: int = WAYS, seed: int = 0, step: float = STEP
+    muscle: BroadMuscle, sweeps: int = RANDOM_SWEEPS, seed: int = 0, step: float = STEP
 ) -> list[Breadth]:
-    """Return every method over the thesis's motions, single coordinates, and random motions.
+    """Measure every method over the thesis's motions, single coordinates, and random motions.
 
-    Deterministic; a step is at most `step` rad. ValueError for a muscle of a single band.
+    Parameters
+    ----------
+    muscle
+        Of two bands or more.
+    sweeps
+        How many random motions.
+    seed
+        Of the random motions: the same seed, the same answer.
+    step
+        The largest step from a pose to the next, rad.
+
+    Raises
+    ------
+    LinkedPlaneError
+        For a muscle of a single band, and where two bands are one with the arm at the side.
+
     """
     if len(muscle.band_names) < 2:
-        raise ValueError('muscle: 1 band given, 2 or more expected: one band has no breadth')
+        raise LinkedPlaneError('muscle: 1 band given, 2 or more expected: one band has no breadth')
     motions: Mapping[str, Sequence[Floats]] = {
         "the thesis's motions": thesis_motions(step),
         'each coordinate alone': single_axes(muscle, step),
-        f'{ways} random motions': random_ways(muscle, ways, seed, step),
+        f'{sweeps} random motions': random_sweeps(muscle, sweeps, seed, step),
     }
     return [
-        measured(muscle, method, motion, sweeps)
+        measure(muscle, method, motion, poses)
         for method in methods(muscle)
-        for motion, sweeps in motions.items()
+        for motion, poses in motions.items()
     ]
 
 
-def measured(muscle: BroadMuscle, method: Method, motion: str, sweeps: Sequence[Floats]) -> Breadth:
-    """Return what a method does over sweeps (m, 3, 3) of neighbouring poses."""
+def measure(muscle: BroadMuscle, method: Method, motion: str, sweeps: Sequence[Floats]) -> Breadth:
+    """Return what a method does over sweeps, each (m, 3, 3) neighbouring poses."""
     rotations = np.concatenate(sweeps)
-    states, lines = drawn(method.solver, rotations)
-    at_rest = drawn(method.solver, np.eye(3)[np.newaxis])[1]
-    places, ways = along(lines)
-    gaps, gaps_at_rest = spacing(places), spacing(along(at_rest)[0])
-    if not gaps_at_rest.min() > TOGETHER:
-        raise ValueError(f'muscle: {method.name}: two bands are one with the arm at the side')
+    states, lines = solve_and_draw(method.solver, rotations)
+    at_rest = solve_and_draw(method.solver, np.eye(3)[np.newaxis])[1]
+    places, directions = places_along(lines)
+    gaps, gaps_at_rest = spacing(places), spacing(places_along(at_rest)[0])
+    if not gaps_at_rest.min() > COINCIDENT:
+        raise LinkedPlaneError(f'muscle: {method.name}: two bands are one with the arm at the side')
     wide = gaps[:, MIDDLE].sum(axis=1) / gaps_at_rest[:, MIDDLE].sum(axis=1)
     gaps /= gaps_at_rest
     depth = depth_in_bone(lines, muscle)
@@ -121,7 +145,7 @@ def measured(muscle: BroadMuscle, method: Method, motion: str, sweeps: Sequence[
     neighbours = np.ones(len(rotations) - 1, dtype=bool)
     neighbours[np.cumsum([len(sweep) for sweep in sweeps])[:-1] - 1] = False
     turns = turns_between(rotations)
-    moves = with_paths(states, np.linalg.norm(np.diff(places[:, MIDDLE], axis=0), axis=2))
+    moves = changes_with_paths(states, np.linalg.norm(np.diff(places[:, MIDDLE], axis=0), axis=2))
     speeds = moves[neighbours] / np.linalg.norm(turns[neighbours], axis=1, keepdims=True)
     given = method.solver, rotations, states, turns, neighbours
     return Breadth(
@@ -133,11 +157,11 @@ def measured(muscle: BroadMuscle, method: Method, motion: str, sweeps: Sequence[
         spacing_most=float(gaps.max()),
         breadth_least=float(wide.min()),
         breadth_most=float(wide.max()),
-        crossed=share(crossed(places, ways, lines).any(axis=(1, 2))),
+        crossed=share(are_crossed(places, directions, lines).any(axis=(1, 2))),
         move=float(moves[neighbours].max()),
         slip=float(np.quantile(speeds, USUAL)),
-        length_jump=largest_jump(*given, unexplained),
-        moment_jump=largest_jump(*given, moment_change),
+        length_jump=largest_jump(*given, unexplained_changes),
+        moment_jump=largest_jump(*given, moment_changes),
         wrapped=share(states.wrap == WRAPPED),
         missed=share(states.wrap == MISSED),
         inside=share(states.wrap == INSIDE),
@@ -154,25 +178,24 @@ def share(which: Any) -> float:
 States = MuscleStates | BandStates
 
 
-def drawn(solver: LinkedPlaneSolver | Bands, rotations: Floats) -> tuple[States, Floats]:
-    """Return the states at m poses, and all paths as polylines (m, n, k, 3), m.
+def solve_and_draw(solver: LinkedPlaneSolver | Bands, rotations: Floats) -> tuple[States, Floats]:
+    """Return the states at m poses and all paths as polylines (m, n, k, 3), m.
 
     A polyline that needs fewer than k points stays at its insertion.
     """
     if isinstance(solver, Bands):
         return solver.solve_batch(rotations), solver.lines(rotations, POINTS)[0]
     states = solver.solve_batch(rotations)
-    m, n = states.lengths.shape
-    lines = np.empty((m, n, POINTS + 2, 3))
+    insertions, _, arcs = solver.draw_bands(states, POINTS)
+    lines = np.empty((*states.lengths.shape, POINTS + 2, 3))
     lines[:, :, 0] = solver.origins
-    for k, state in enumerate(states):
-        insertions, _, arcs = solver.draw_bands(state, POINTS)
-        lines[k, :, 1:] = insertions[:, np.newaxis]
-        lines[k, state.wrap == WRAPPED, 1:-1] = arcs[state.wrap == WRAPPED]
+    lines[:, :, 1:] = insertions[:, :, np.newaxis]
+    wrapped = states.wrap == WRAPPED
+    lines[wrapped, 1:-1] = arcs[wrapped]
     return states, lines
 
 
-def along(lines: Floats) -> tuple[Floats, Floats]:
+def places_along(lines: Floats) -> tuple[Floats, Floats]:
     """Return the places at the fractions of polylines, and the unit directions: (m, f, n, 3)."""
     parts = np.diff(lines, axis=2)
     lengths = np.linalg.norm(parts, axis=3)
@@ -195,7 +218,7 @@ def spacing(places: Floats) -> Floats:
     return np.asarray(np.linalg.norm(np.diff(places, axis=-2), axis=-1))
 
 
-def crossed(places: Floats, directions: Floats, lines: Floats) -> npt.NDArray[np.bool_]:
+def are_crossed(places: Floats, directions: Floats, lines: Floats) -> npt.NDArray[np.bool_]:
     """Return whether neighbours (m, f, n - 1) stand in reverse order between their attachments.
 
     From the steps from a band to its neighbour, there and at both ends, only what is across the two
@@ -227,19 +250,20 @@ def depth_in_bone(lines: Floats, muscle: BroadMuscle) -> Floats:
 Change = Callable[[States, Floats], Floats]
 
 
-def unexplained(states: States, turns: Floats) -> Floats:
+def unexplained_changes(states: States, turns: Floats) -> Floats:
     """Return what the lengths (m - 1, n) change by beyond what the moment vectors explain, m."""
     v = states.moment_vectors
     explained = -0.5 * np.einsum('kni,ki->kn', v[1:] + v[:-1], turns)
-    return with_paths(states, np.abs(np.diff(states.lengths, axis=0) - explained))
+    return changes_with_paths(states, np.abs(np.diff(states.lengths, axis=0) - explained))
 
 
-def moment_change(states: States, turns: Floats) -> Floats:
+def moment_changes(states: States, turns: Floats) -> Floats:
     """Return what the moment vectors (m - 1, n) change by, m."""
-    return with_paths(states, np.linalg.norm(np.diff(states.moment_vectors, axis=0), axis=2))
+    changes = np.linalg.norm(np.diff(states.moment_vectors, axis=0), axis=2)
+    return changes_with_paths(states, changes)
 
 
-def with_paths(states: States, changes: npt.NDArray[Any]) -> Floats:
+def changes_with_paths(states: States, changes: npt.NDArray[Any]) -> Floats:
     """Return changes (m - 1, n) with 0 where a band has no path before or after."""
     inside = states.wrap == INSIDE
     return np.where(inside[1:] | inside[:-1], 0.0, changes)
@@ -255,11 +279,11 @@ def largest_jump(
     """
     steps = change(states, turns).max(axis=1) * neighbours
     found = 0.0
-    for k in np.argsort(-steps)[:LOOKED_AT].tolist():
+    for k in np.argsort(-steps)[:CANDIDATES].tolist():
         start, end = rotations[k], rotations[k + 1]
         left = 0.0
         for _ in range(LEVELS):
-            poses = between(start, end, FINER)
+            poses = poses_between(start, end, PARTS)
             finer = change(solver.solve_batch(poses), turns_between(poses)).max(axis=1)
             worst = int(finer.argmax())
             start, end, left = poses[worst], poses[worst + 1], float(finer[worst])

@@ -4,8 +4,8 @@ A cylinder that ends in a half sphere of its radius. Its surface has no edge, an
 band touches it along one stretch, a great circle on the cap, a helix on the cylinder, or one after
 the other; where they meet, on the seam, both cross it at one angle. Over the cap a band is free to
 change sides, so a side is a choice here: right-handed or left-handed about the axis where it lies
-on the cylinder, or whichever is shorter. (Which of these is the published rule could not be seen:
-of the paper only its abstract and what others have made of it were at hand.)
+on the cylinder, or whichever is shorter. (Which of these is the published rule is not known here:
+only the abstract of the paper and the work of others on it were available.)
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import NamedTuple
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
 from ..linked_planes.compiled import compiled
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
-from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, tube_at, way_round
+from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, path_round, tube_at
 from .fields import Turn
 from .path import (
     NO_ARC,
@@ -35,7 +35,7 @@ from .path import (
 from .sphere import round_sphere
 
 ENDLESS = 1e300  # m
-PARTS = 12  # in which the seam is searched for the crossing, where it may be missed otherwise
+PARTS = 12  # in which the seam is searched where a crossing may be missed otherwise
 
 
 # A capped cylinder is a Tube whose C is the cap's centre and whose axis leads to the cap.
@@ -82,7 +82,7 @@ def bend(turn: float, c: float, s: float, far: float, h: float, R: float) -> tup
 
     The difference of the cosines of the angles at which great circle and helix meet the seam, there
     where the band crosses it; c, s are the cosine and sine of A's height above the seam, seen from
-    the centre; far (m) the unrolled way from A's meridian to the other end B, h (m) B's depth.
+    the centre; far (m) the unrolled distance from A's meridian to the other end B, h (m) B's depth.
     """
     q = sqrt(max(s * s + c * c * sin(turn) * sin(turn), 1e-300))
     left = far - R * turn
@@ -175,7 +175,7 @@ def crossing(stub: Tube, A: Vector, B: Vector, side: float) -> Crossing:
 
 @compiled
 def reversed_arc(arc: Arc) -> Arc:
-    """Return an arc as it is on the way back."""
+    """Return an arc in the other direction."""
     return Arc(on_arc(arc, 1.0), arc.centre, times(-1.0, arc.axis), arc.turn, arc.rise)
 
 
@@ -187,7 +187,7 @@ def stub_moment(stub: Tube, P: Vector, t1: Vector, S: Vector, t2: Vector) -> Vec
 
 @compiled
 def on_the_cap(stub: Tube, P: Vector, S: Vector) -> Path:
-    """Return the band round the cap alone; MISSED, of no end, if it leaves the cap."""
+    """Return the band round the cap alone; MISSED and endless if it leaves the cap."""
     cap = round_sphere(P, S, stub.C, stub.R, stub.on_humerus)
     low = min(height(stub, cap.first.start), height(stub, on_arc(cap.first, 1.0)))
     if cap.state == WRAPPED and low >= -AT_SURFACE * stub.R:
@@ -210,12 +210,12 @@ def round_stub(stub: Tube, P: Vector, S: Vector, side: float) -> Path:
         turn = 1.0 - 2.0 * k
         if turn * side < 0.0:
             continue
-        way = way_round(P, S, Tube(stub.C, times(turn, stub.w), stub.R, stub.on_humerus))
-        high = max(height(stub, way.meets), height(stub, way.leaves))
-        if way.state == WRAPPED and high <= AT_SURFACE * stub.R and way.length < best.length:
-            moment = stub_moment(stub, P, way.t1, S, way.t2)
-            best = Path(way.length, WRAPPED, 2, moment, NO_ARC, way.arc)
-        # the seam is crossed from above on the way to S, or on the way back
+        past = path_round(P, S, Tube(stub.C, times(turn, stub.w), stub.R, stub.on_humerus))
+        high = max(height(stub, past.meets), height(stub, past.leaves))
+        if past.state == WRAPPED and high <= AT_SURFACE * stub.R and past.length < best.length:
+            moment = stub_moment(stub, P, past.t1, S, past.t2)
+            best = Path(past.length, WRAPPED, 2, moment, NO_ARC, past.arc)
+        # the seam is crossed from above: towards S, or towards P
         back = height(stub, P) < 0.0
         A, B, about = (S, P, -turn) if back else (P, S, turn)
         down = crossing(stub, A, B, about)
@@ -243,10 +243,10 @@ class CappedCylinder(RoundAnAxis):
 
     Its centre is the cap's, its axis leads from the cylinder to the cap.
 
-    WRAPPED (contacts: 1 the cap, 2 the cylinder, 3 both); CLEAR: the line keeps off it, on whatever
-    side; MISSED: there is no way on the side that is asked for; INSIDE where an end lies in it.
+    WRAPPED (contacts: 1 the cap, 2 the cylinder, 3 both); CLEAR: the line passes it, on either
+    side; MISSED: there is no path on the side that is asked for; INSIDE where an end lies in it.
     """
 
     turn: Turn = 'right-handed'
-    """How the band turns about the axis on the cylinder: the cap alone is taken the short way."""
+    """How the band turns about the axis on the cylinder; on the cap it takes the shorter side."""
     kernel = make_kernel(capped_cylinder)

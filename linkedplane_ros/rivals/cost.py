@@ -13,7 +13,7 @@ import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
 from .methods import methods
-from .sweeps import THESIS, limits
+from .sweeps import THESIS, angle_limits
 
 FRAMES = 500  # of a batch: few enough for one core
 FINITE_ELEMENTS = (
@@ -27,7 +27,7 @@ Key = TypeVar('Key')
 
 @dataclass(frozen=True)
 class Cost:
-    """Time for all bands of a muscle at one pose, s, at best: noise only adds."""
+    """Time for all bands of a muscle at one pose, s; the best of many, for noise only adds."""
 
     method: str
     one_call: float
@@ -37,8 +37,8 @@ class Cost:
 
 
 def cost(muscle: BroadMuscle, seconds: float = 0.1) -> list[Cost]:
-    """Return what each method takes on this machine, from `seconds` of measuring for each time."""
-    low, high = limits(muscle).T
+    """Measure what each method takes on this machine, for `seconds` each."""
+    low, high = angle_limits(muscle).T
     angles = np.random.default_rng(1).uniform(low, high, (FRAMES, 3))
     rotations = THESIS.rotations_and_axes(angles)[0]
     found = methods(muscle)
@@ -46,26 +46,38 @@ def cost(muscle: BroadMuscle, seconds: float = 0.1) -> list[Cost]:
     for method in found:
         calls['one', method.name] = partial(method.solver.solve, rotations[0])
         calls['batch', method.name] = partial(method.solver.solve_batch, rotations)
-    times = best(calls, seconds, 0.002)
+    times = best_times(calls, seconds, 0.002)
     return [
         Cost(method.name, times['one', method.name], times['batch', method.name] / FRAMES)
         for method in found
     ]
 
 
-def best(
-    calls: Mapping[Key, Callable[[], Any]], seconds: float = 2.0, a_round: float = 0.02
+def best_times(
+    calls: Mapping[Key, Callable[[], Any]], seconds: float = 2.0, round_seconds: float = 0.02
 ) -> dict[Key, float]:
-    """Return the s that each call takes, at best, of rounds of about `a_round` s each.
+    """Measure how long calls take, at best: noise only adds.
 
-    All take turns, so that noise meets all alike.
+    Parameters
+    ----------
+    calls
+        By name; they take turns, so that noise meets all alike.
+    seconds
+        How long to measure, for each call.
+    round_seconds
+        How long each call is repeated before the next one's turn, about.
+
+    Returns
+    -------
+    s a call, by name.
+
     """
     counts = {}
     for name, call in calls.items():
         call()
         start = time.perf_counter()
         call()
-        counts[name] = max(1, int(a_round / max(time.perf_counter() - start, 1e-7)))
+        counts[name] = max(1, int(round_seconds / max(time.perf_counter() - start, 1e-7)))
     found = dict.fromkeys(calls, math.inf)
     end = time.perf_counter() + seconds * len(calls)
     rounds = 0

@@ -2,7 +2,7 @@
 
 A cylinder has no ends here. Across the axis the band is a plane one round a circle; unrolled, it is
 one straight line, so the rise along the axis is shared out by length. Which side the band takes is
-the axis's: it turns right-handed about it on the way from origin to insertion. A line that passes
+the axis's: from origin to insertion it turns right-handed about the axis. A line that passes
 on the wrong side, even with the cylinder beyond one of its ends, is hooked round it as long as the
 turn is less than half a circle; from there on Garner and Pandy take the band for straight, and its
 length jumps: MISSED here.
@@ -48,8 +48,8 @@ class Tube(NamedTuple):
     on_humerus: float  # 1; 0 on the scapula
 
 
-class Way(NamedTuple):
-    """A band's way past a cylinder."""
+class TubePath(NamedTuple):
+    """A band's path past a cylinder."""
 
     state: int  # WRAPPED, CLEAR or MISSED
     length: float
@@ -91,17 +91,17 @@ def touching(p: Vector, w: Vector, R: float, side: float) -> tuple[Vector, float
 
 
 @compiled
-def straight_way(P: Vector, S: Vector, state: int) -> Way:
-    """Return the straight way from P to S."""
+def straight_past(P: Vector, S: Vector, state: int) -> TubePath:
+    """Return the straight path from P to S."""
     line = minus(S, P)
     D = norm(line)
     u = times(1.0 / max(D, 1e-300), line)
-    return Way(state, D, D, u, u, NO_ARC, P, S)
+    return TubePath(state, D, D, u, u, NO_ARC, P, S)
 
 
 @compiled
-def way_round(P: Vector, S: Vector, tube: Tube) -> Way:
-    """Return the way from P to S, both outside, right-handed about the axis."""
+def path_round(P: Vector, S: Vector, tube: Tube) -> TubePath:
+    """Return the path from P to S, both outside, right-handed about the axis."""
     C, w, R, _ = tube
     p, s = minus(P, C), minus(S, C)
     pz, sz = dot(p, w), dot(s, w)
@@ -112,7 +112,7 @@ def way_round(P: Vector, S: Vector, tube: Tube) -> Way:
     if sine <= 0.0:
         turn = dot(cross(p, s), w)
         kept = turn > 0.0 or (turn == 0.0 and dot(p, s) > 0.0)
-        return straight_way(P, S, CLEAR if kept else MISSED)
+        return straight_past(P, S, CLEAR if kept else MISSED)
     turn = atan2(sine, dot(q, t))
     flat, h = tP + R * turn + tS, sz - pz  # unrolled
     L = sqrt(flat * flat + h * h)
@@ -120,7 +120,7 @@ def way_round(P: Vector, S: Vector, tube: Tube) -> Way:
     t2 = mix(flat / L, cross(w, t), h / L, w)
     Q = plus(C, mix(R, q, pz + h * tP / flat, w))
     arc = Arc(Q, C, w, turn, h * R * turn / flat)
-    return Way(WRAPPED, L, L * tS / flat, t1, t2, arc, on_arc(arc, 1.0), Q)
+    return TubePath(WRAPPED, L, L * tS / flat, t1, t2, arc, on_arc(arc, 1.0), Q)
 
 
 @compiled
@@ -130,11 +130,11 @@ def cylinder(row: Row, rotation: Rotation) -> Path:
     tube = tube_at(row, OBSTACLE, rotation)
     if inside(P, tube) or inside(S, tube):
         return straight_path(P, S, INSIDE)
-    way = way_round(P, S, tube)
-    if way.state != WRAPPED:
-        return straight_path(P, S, way.state)
-    moment = moment_of(P, way.t1, tube.on_humerus, ZERO, ZERO, tube.on_humerus, S, way.t2)
-    return Path(way.length, WRAPPED, 1, moment, way.arc, NO_ARC)
+    past = path_round(P, S, tube)
+    if past.state != WRAPPED:
+        return straight_path(P, S, past.state)
+    moment = moment_of(P, past.t1, tube.on_humerus, ZERO, ZERO, tube.on_humerus, S, past.t2)
+    return Path(past.length, WRAPPED, 1, moment, past.arc, NO_ARC)
 
 
 @dataclass(frozen=True)
@@ -146,15 +146,16 @@ class RoundAnAxis(PathModel):
     axis: Vector
     """Of any length but 0."""
     radius: float
+    """m"""
     bone: Bone
-    """The cylinder's."""
+    """'scapula' or 'humerus'."""
 
 
 @dataclass(frozen=True)
 class Cylinder(RoundAnAxis):
     """A cylinder without ends that is fixed to a bone; the band turns right-handed about its axis.
 
-    WRAPPED; CLEAR: the line keeps off it on the band's side; MISSED: half a turn or more on that
+    WRAPPED; CLEAR: the line passes it on the band's side; MISSED: half a turn or more on that
     side, so straight; INSIDE where an end lies in it.
     """
 

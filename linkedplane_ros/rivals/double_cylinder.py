@@ -1,10 +1,10 @@
 """The double cylinder (Garner and Pandy 2000): two cylinders, one after the other.
 
 The band turns right-handed about each axis, and touches both, one or none. The first cylinder is
-wrapped on the way to where the second is met, the second on the way from where the first is left;
-these two points are found in turn. Each step shortens the band, so they settle; as all that the
-one does to the other is to push it sideways along one line, the steps come to shrink by one factor,
-and the rest of them is summed at once.
+wrapped by the path to where the second is met, the second by the path from where the first is left;
+these two points are found in turn. Each step shortens the band, so they settle; as each point only
+moves the other along one line, the steps come to shrink by one factor, and the rest of them is
+summed at once.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from .cylinder import (
     CYLINDER_SIZE,
     RoundAnAxis,
     Tube,
-    Way,
+    TubePath,
     inside,
-    straight_way,
+    path_round,
+    straight_past,
     tube_at,
-    way_round,
 )
 from .fields import Bone
 from .path import OBSTACLE, ZERO, Path, Row, ends, make_kernel, moment_of, straight_path
@@ -34,17 +34,17 @@ STRAIGHT = 1e-6  # rad: what the part between may bend by
 
 
 @compiled
-def ways_round(P: Vector, S: Vector, tube: Tube, tube2: Tube) -> tuple[Way, Way, bool]:
-    """Return the way from P over the first cylinder to the second, and from the first on to S.
+def paths_round(P: Vector, S: Vector, tube: Tube, tube2: Tube) -> tuple[TubePath, TubePath, bool]:
+    """Return the paths from P over the first cylinder to the second, and from the first on to S.
 
     And whether they have settled, with one straight part between the two. They have not where the
-    band would have to pass between two cylinders that are in each other.
+    band would have to pass between two cylinders that overlap.
     """
     meets, step, last = S, ZERO, ZERO
     plain = 0  # steps since the last that was summed up
     first, second = True, True  # whether each still counts
-    one = way_round(P, meets, tube)
-    two = way_round(one.leaves, S, tube2)
+    one = path_round(P, meets, tube)
+    two = path_round(one.leaves, S, tube2)
     for k in range(ROUNDS):
         last, step = step, minus(two.meets, meets)
         if norm(step) < CLOSE * (tube.R + tube2.R):
@@ -59,9 +59,9 @@ def ways_round(P: Vector, S: Vector, tube: Tube, tube2: Tube) -> tuple[Way, Way,
             first = False
         elif k > SETTLING and two.state != WRAPPED:
             second = False
-        one = way_round(P, meets, tube) if first else straight_way(P, meets, MISSED)
+        one = path_round(P, meets, tube) if first else straight_past(P, meets, MISSED)
         Q = one.leaves
-        two = way_round(Q, S, tube2) if second else straight_way(Q, S, MISSED)
+        two = path_round(Q, S, tube2) if second else straight_past(Q, S, MISSED)
     return one, two, False
 
 
@@ -73,7 +73,7 @@ def double_cylinder(row: Row, rotation: Rotation) -> Path:
     tube2 = tube_at(row, OBSTACLE + CYLINDER_SIZE, rotation)
     if inside(P, tube) or inside(S, tube2):
         return straight_path(P, S, INSIDE)
-    one, two, settled = ways_round(P, S, tube, tube2)
+    one, two, settled = paths_round(P, S, tube, tube2)
     if inside(one.leaves, tube2) or inside(two.meets, tube):
         return straight_path(P, S, INSIDE)
     if not settled:
@@ -103,6 +103,7 @@ class DoubleCylinder(RoundAnAxis):
     """
 
     second_centre: Vector
+    """The second cylinder's fields are as the first one's."""
     second_axis: Vector
     second_radius: float
     second_bone: Bone

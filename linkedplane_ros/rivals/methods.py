@@ -1,7 +1,7 @@
 """The rivals set up for a broad muscle: the same attachments, a band each, independent bands.
 
-Nobody has published obstacles of these methods for the deltoid's nine bands, so they are chosen
-here, by two rules that favour none. *Own* obstacles reproduce the linked planes' path with the arm
+No obstacles of these methods are published for the deltoid's nine bands, so they are chosen here,
+by two rules that favour no method. *Own* obstacles reproduce the linked planes' path with the arm
 at the side, as Garner and Pandy fit theirs to a path known at one pose: from the plane, the circle
 and the transition points Q and T of each band come its sphere, cylinder, double cylinder and via
 points, and with the arm at the side all but the double cylinder give the very path of the linked
@@ -36,8 +36,8 @@ from .straight import Straight, ViaPoints
 
 
 @dataclass(frozen=True, eq=False)
-class Neutral:
-    """A band of the linked planes with the arm at the side; m, the two frames are one there."""
+class NeutralBand:
+    """A band of the linked planes with the arm at the side, where the two frames are one; m."""
 
     origin: Vector
     insertion: Vector
@@ -52,22 +52,22 @@ class Neutral:
 
 @dataclass(frozen=True, eq=False)
 class Method:
-    """A way to have the paths of all bands of a muscle."""
+    """A solver of the paths of all bands of a muscle."""
 
     name: str
     obstacles: str
-    """How its obstacles were chosen, for people."""
+    """How its obstacles were chosen, in words."""
     solver: LinkedPlaneSolver | Bands
 
 
-def three(values: Floats) -> Vector:
+def as_vector(values: Floats) -> Vector:
     """Return an array (3,) as a vector."""
     x, y, z = values.tolist()
     return x, y, z
 
 
-def neutral_bands(solver: LinkedPlaneSolver, state: MuscleState) -> list[Neutral]:
-    """Return the bands of a muscle solved with the arm at the side, by spec section 2."""
+def neutral_bands(solver: LinkedPlaneSolver, state: MuscleState) -> list[NeutralBand]:
+    """Return the bands of a muscle solved with the arm at the side (spec section 2)."""
     muscle = solver.muscle
     paths = state.paths(points=2)
     normal = muscle.reference_normal
@@ -83,17 +83,18 @@ def neutral_bands(solver: LinkedPlaneSolver, state: MuscleState) -> list[Neutral
         centre, radius = (C - d * normal, (R * R - d * d) ** 0.5) if abs(d) < R else (C, R)
         ends = None
         if state.wrap[i] == WRAPPED:
-            ends = three(paths[i][1]), three(paths[i][2])
-        bands.append(Neutral(three(P), three(S), three(normal), three(centre), radius, ends))
+            ends = as_vector(paths[i][1]), as_vector(paths[i][2])
+        plane = as_vector(normal), as_vector(centre), radius
+        bands.append(NeutralBand(as_vector(P), as_vector(S), *plane, ends))
     return bands
 
 
-def straight(band: Neutral) -> PathModel:
+def build_straight(band: NeutralBand) -> PathModel:
     """Return a straight line."""
     return Straight(band.origin, band.insertion)
 
 
-def via_points(band: Neutral) -> PathModel:
+def build_via_points(band: NeutralBand) -> PathModel:
     """Return a band through its Q, fixed to the scapula, and its T, fixed to the humerus."""
     if band.transitions is None:
         return ViaPoints(band.origin, band.insertion)
@@ -101,17 +102,17 @@ def via_points(band: Neutral) -> PathModel:
     return ViaPoints(band.origin, band.insertion, (Q,), (T,))
 
 
-def own_sphere(band: Neutral, bone: Bone) -> PathModel:
+def build_sphere(band: NeutralBand, bone: Bone) -> PathModel:
     """Return a band round the sphere that has its circle for a great circle."""
     return Sphere(band.origin, band.insertion, band.centre, band.radius, bone)
 
 
-def own_cylinder(band: Neutral, bone: Bone) -> PathModel:
+def build_cylinder(band: NeutralBand, bone: Bone) -> PathModel:
     """Return a band round the cylinder across its plane, through its circle."""
     return Cylinder(band.origin, band.insertion, band.centre, band.normal, band.radius, bone)
 
 
-def own_double_cylinder(band: Neutral) -> PathModel:
+def build_double_cylinder(band: NeutralBand) -> PathModel:
     """Return a band round two cylinders across its plane, one on each bone.
 
     Each has half the radius of the circle and touches it from within, the scapula's at Q, the
@@ -122,50 +123,50 @@ def own_double_cylinder(band: Neutral) -> PathModel:
     Q, T = (c, c) if band.transitions is None else np.array(band.transitions)
     return DoubleCylinder(
         band.origin, band.insertion,
-        three((c + Q) / 2.0), band.normal, band.radius / 2.0, 'scapula',
-        three((c + T) / 2.0), band.normal, band.radius / 2.0, 'humerus',
+        as_vector((c + Q) / 2.0), band.normal, band.radius / 2.0, 'scapula',
+        as_vector((c + T) / 2.0), band.normal, band.radius / 2.0, 'humerus',
     )  # fmt: skip
 
 
 def humeral_head(muscle: BroadMuscle) -> tuple[Vector, float] | None:
-    """Return the bone sphere nearest to the joint's centre, m, or None where none holds it."""
+    """Return centre and radius, m, of the bone sphere round the joint's centre, if there is one."""
     distance = np.linalg.norm(muscle.interference_centres, axis=1)
     inside = distance < muscle.interference_radii
     if not inside.any():
         return None
     i = int(np.where(inside, distance, np.inf).argmin())
-    return three(muscle.interference_centres[i]), float(muscle.interference_radii[i])
+    return as_vector(muscle.interference_centres[i]), float(muscle.interference_radii[i])
 
 
 LINKED = 'linked planes'
 CIRCLE = "each band's own: its circle of the arm at the side"
-OWN: Mapping[str, tuple[str, Callable[[Neutral], PathModel]]] = MappingProxyType(
+OWN: Mapping[str, tuple[str, Callable[[NeutralBand], PathModel]]] = MappingProxyType(
     {
-        'straight': ('none', straight),
+        'straight': ('none', build_straight),
         'via points': (
             "each band's own transition points of the arm at the side, Q on the scapula, T on the "
             'humerus',
-            via_points,
+            build_via_points,
         ),
         'sphere, scapula': (
             f'{CIRCLE} as a great circle, on the scapula',
-            partial(own_sphere, bone='scapula'),
+            partial(build_sphere, bone='scapula'),
         ),
         'sphere, humerus': (
             f'{CIRCLE} as a great circle, on the humerus',
-            partial(own_sphere, bone='humerus'),
+            partial(build_sphere, bone='humerus'),
         ),
         'cylinder, scapula': (
             f'{CIRCLE}, across its plane, on the scapula',
-            partial(own_cylinder, bone='scapula'),
+            partial(build_cylinder, bone='scapula'),
         ),
         'cylinder, humerus': (
             f'{CIRCLE}, across its plane, on the humerus',
-            partial(own_cylinder, bone='humerus'),
+            partial(build_cylinder, bone='humerus'),
         ),
         'double cylinder': (
             f'{CIRCLE}, two of half its radius within it, at Q on the scapula, at T on the humerus',
-            own_double_cylinder,
+            build_double_cylinder,
         ),
     }
 )

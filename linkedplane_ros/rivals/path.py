@@ -57,7 +57,7 @@ class Path(NamedTuple):
     state: int  # WRAPPED, CLEAR, MISSED or INSIDE
     contacts: int  # parts of the obstacle that it lies on: 0, 1 the first, 2 the second, 3 both
     moment: Vector  # -dL/domega
-    first: Arc  # on the first part; with 3 contacts, the first on the way
+    first: Arc  # on the first part; with 3 contacts, the one nearer to the origin
     second: Arc
 
 

@@ -1,7 +1,7 @@
 """The single sphere (Garner and Pandy 2000; thesis ch. 3): a band in the plane of P, S and C.
 
 The plane of the attachments and the centre cuts the sphere in a great circle, and the band takes
-the short way round it. A sphere has no side of its own, so nothing holds a band on one: when the
+the shorter side of it. A sphere has no side of its own, so nothing holds a band on one: when the
 line from P to S passes the centre, the band changes over, and near there it slips quickly.
 """
 
@@ -34,7 +34,7 @@ from .path import (
 
 @compiled
 def round_sphere(P: Vector, S: Vector, C: Vector, R: float, on_humerus: float) -> Path:
-    """Return the short way from P to S round a sphere, in the plane of P, S and C."""
+    """Return the shorter path from P to S round a sphere, in the plane of P, S and C."""
     line, p = minus(S, P), minus(C, P)
     D = norm(line)
     u = times(1.0 / max(D, 1e-300), line)
@@ -65,10 +65,15 @@ def sphere(row: Row, rotation: Rotation) -> Path:
 
 @dataclass(frozen=True)
 class Sphere(PathModel):
-    """A sphere that is fixed to a bone. WRAPPED, CLEAR, or INSIDE where an end lies in it."""
+    """A sphere that is fixed to a bone; the band takes its shorter side.
+
+    WRAPPED; CLEAR: the line passes it; INSIDE where an end lies in it.
+    """
 
     centre: Vector
     """In the frame of its bone."""
     radius: float
+    """m"""
     bone: Bone
+    """'scapula' or 'humerus'."""
     kernel = make_kernel(sphere)

@@ -50,8 +50,8 @@ def closest_on_lines(A: Floats, B: Floats, centres: Floats) -> Floats:
     along = B - A
     size = np.maximum(squared_lengths(along), 1e-30)[:, np.newaxis]
     t = (along @ centres.T - np.sum(A * along, axis=1, keepdims=True)) / size
-    ways: Floats = np.clip(t, 0.0, 1.0)[..., np.newaxis] * along[:, np.newaxis]
-    return A[:, np.newaxis] + ways
+    offsets: Floats = np.clip(t, 0.0, 1.0)[..., np.newaxis] * along[:, np.newaxis]
+    return A[:, np.newaxis] + offsets
 
 
 def closest_on_arcs(Q: Floats, M: Floats, T: Floats, centres: Floats) -> Floats:

@@ -14,10 +14,10 @@ from linkedplane_ros.rivals import Bands, Cylinder, Sphere, breadth
 from linkedplane_ros.rivals.cost import cost
 from linkedplane_ros.rivals.methods import Method, humeral_head, methods
 from linkedplane_ros.rivals.sweeps import (
-    between,
-    random_ways,
+    poses_between,
+    random_sweeps,
     single_axes,
-    straight_way,
+    straight_sweep,
     thesis_motions,
     turns_between,
 )
@@ -82,7 +82,7 @@ def test_a_muscle_without_bones_has_the_other_rivals() -> None:
         interference_radii=np.empty(0),
     )  # fmt: skip
     assert [method.name for method in methods(bare)] == list(METHODS)[:-2]
-    row = breadth.measured(bare, methods(bare)[0], '', [thesis_motions(COARSE)[0]])
+    row = breadth.measure(bare, methods(bare)[0], '', [thesis_motions(COARSE)[0]])
     assert (row.in_bone, row.deepest) == (0.0, 0.0)
 
 
@@ -90,7 +90,7 @@ def test_a_muscle_without_bones_has_the_other_rivals() -> None:
 
 
 def test_no_step_of_a_sweep_is_longer_than_asked_for() -> None:
-    sweeps = [*thesis_motions(), *single_axes(DELTOID), *random_ways(DELTOID, 5)]
+    sweeps = [*thesis_motions(), *single_axes(DELTOID), *random_sweeps(DELTOID, 5)]
     assert [len(sweep) for sweep in sweeps[:6]] == [161, 181, 121, 321, 241, 241]
     for sweep in sweeps:
         steps = np.degrees(np.linalg.norm(turns_between(sweep), axis=1))
@@ -98,12 +98,12 @@ def test_no_step_of_a_sweep_is_longer_than_asked_for() -> None:
         assert steps.min() > 0.05
 
 
-def test_random_ways_stay_in_the_range_of_motion_and_are_the_same_every_time() -> None:
-    ways = random_ways(DELTOID, 5, seed=3)
-    assert DELTOID.count_outside_range(np.concatenate(ways)) == 0
-    for way, again in zip(ways, random_ways(DELTOID, 5, seed=3), strict=True):
+def test_random_sweeps_stay_in_the_range_of_motion_and_are_the_same_every_time() -> None:
+    sweeps = random_sweeps(DELTOID, 5, seed=3)
+    assert DELTOID.count_outside_range(np.concatenate(sweeps)) == 0
+    for way, again in zip(sweeps, random_sweeps(DELTOID, 5, seed=3), strict=True):
         np.testing.assert_array_equal(way, again)
-    assert not np.array_equal(ways[0], random_ways(DELTOID, 1, seed=4)[0])
+    assert not np.array_equal(sweeps[0], random_sweeps(DELTOID, 1, seed=4)[0])
 
 
 def test_turns_are_those_between_the_poses() -> None:
@@ -111,10 +111,11 @@ def test_turns_are_those_between_the_poses() -> None:
     turn = np.array((0.01, -0.02, 0.003))
     poses = np.array((start.as_matrix(), (Rotation.from_rotvec(turn) * start).as_matrix()))
     np.testing.assert_allclose(turns_between(poses), [turn], rtol=0, atol=1e-15)
-    finer = between(poses[0], poses[1], 4)
+    finer = poses_between(poses[0], poses[1], 4)
     np.testing.assert_allclose(finer[[0, -1]], poses, rtol=0, atol=1e-15)
     np.testing.assert_allclose(turns_between(finer), np.tile(turn / 4, (4, 1)), rtol=0, atol=1e-15)
-    np.testing.assert_array_equal(between(poses[0], poses[0], 2), np.repeat(poses[:1], 3, axis=0))
+    still = poses_between(poses[0], poses[0], 2)
+    np.testing.assert_array_equal(still, np.repeat(poses[:1], 3, axis=0))
 
 
 # The measures
@@ -132,7 +133,7 @@ def strip(*bends: float) -> Array:
 
 def test_places_are_at_their_part_of_the_length() -> None:
     corner = np.array([[[(0, 0, 0), (3, 0, 0), (3, 1, 0), (3, 1, 0)]]], dtype=float)
-    places, directions = breadth.along(corner)
+    places, directions = breadth.places_along(corner)
     np.testing.assert_allclose(places[0, :, 0], [(1, 0, 0), (2, 0, 0), (3, 0, 0)], atol=1e-15)
     np.testing.assert_allclose(directions[0, :2, 0], [(1, 0, 0)] * 2, atol=1e-15)
 
@@ -146,7 +147,7 @@ def test_neighbours_cross_when_one_passes_the_other(
     bends: tuple[float, ...], crossed: tuple[int, ...]
 ) -> None:
     lines = strip(*bends)
-    found = breadth.crossed(*breadth.along(lines), lines)
+    found = breadth.are_crossed(*breadth.places_along(lines), lines)
     assert tuple(found.any(axis=1)[0].astype(int)) == crossed
 
 
@@ -154,15 +155,15 @@ def test_a_turn_of_everything_crosses_nothing_and_uncrosses_nothing() -> None:
     Q = Rotation.from_rotvec((1.0, 2.0, 0.5)).as_matrix()
     for bends in ((0.11, 0.0, 0.0), (0.05, 0.0, -0.05)):
         lines = strip(*bends)
-        here = breadth.crossed(*breadth.along(lines), lines)
-        there = breadth.crossed(*breadth.along(lines @ Q.T), lines @ Q.T)
+        here = breadth.are_crossed(*breadth.places_along(lines), lines)
+        there = breadth.are_crossed(*breadth.places_along(lines @ Q.T), lines @ Q.T)
         np.testing.assert_array_equal(here, there)
 
 
 def test_straight_lines_never_cross() -> None:
-    poses = np.concatenate(random_ways(DELTOID, 3, step=COARSE))
-    lines = breadth.drawn(METHODS['straight'].solver, poses)[1]
-    assert not breadth.crossed(*breadth.along(lines), lines).any()
+    poses = np.concatenate(random_sweeps(DELTOID, 3, step=COARSE))
+    lines = breadth.solve_and_draw(METHODS['straight'].solver, poses)[1]
+    assert not breadth.are_crossed(*breadth.places_along(lines), lines).any()
 
 
 def test_depth_is_that_of_a_line_between_its_points() -> None:
@@ -195,7 +196,7 @@ def test_a_jump_is_what_two_poses_differ_by_as_they_come_together() -> None:
     # at half a turn both straight parts are at right angles to one diameter of the cylinder
     straight = 2.0 * np.sqrt(0.1**2 + 0.05**2 - 0.03**2)
     around = straight + 0.03 * np.pi
-    jump = largest(bands, sweep, breadth.unexplained)
+    jump = largest(bands, sweep, breadth.unexplained_changes)
     assert jump == pytest.approx(around - 0.06, abs=1e-7)  # m: a step halved 24 times, at 0.1 m/rad
 
 
@@ -204,9 +205,9 @@ def test_a_band_that_only_bends_sharply_does_not_jump() -> None:
     sweep = np.array(
         [Rotation.from_rotvec((x, 0, 0)).as_matrix() for x in np.linspace(-0.3, 0.3, 70)]
     )
-    assert largest(band, sweep, breadth.unexplained) < 1e-8
+    assert largest(band, sweep, breadth.unexplained_changes) < 1e-8
     # its moment does: it flips from one side of the sphere to the other
-    assert largest(band, sweep, breadth.moment_change) == pytest.approx(0.06, abs=1e-6)
+    assert largest(band, sweep, breadth.moment_changes) == pytest.approx(0.06, abs=1e-6)
 
 
 def test_where_a_band_has_no_path_nothing_jumps() -> None:
@@ -217,7 +218,7 @@ def test_where_a_band_has_no_path_nothing_jumps() -> None:
     states = band.solve_batch(sweep)
     assert set(states.wrap[:, 0]) == {WrapState.INSIDE, WrapState.WRAPPED}
     assert np.abs(np.diff(states.lengths[:, 0])).max() > 2e-3  # m, where 0.04 m turn by 0.015 rad
-    assert largest(band, sweep, breadth.unexplained) < 1e-8
+    assert largest(band, sweep, breadth.unexplained_changes) < 1e-8
 
 
 # What it says
@@ -225,7 +226,7 @@ def test_where_a_band_has_no_path_nothing_jumps() -> None:
 
 @pytest.fixture(scope='module')
 def rows() -> list[breadth.Breadth]:
-    return breadth.compare(DELTOID, ways=2, step=COARSE)
+    return breadth.compare(DELTOID, sweeps=2, step=COARSE)
 
 
 def test_every_method_is_looked_at_over_every_motion(rows: list[breadth.Breadth]) -> None:
@@ -245,17 +246,17 @@ def test_every_method_is_looked_at_over_every_motion(rows: list[breadth.Breadth]
 
 
 def test_the_same_comparison_says_the_same(rows: list[breadth.Breadth]) -> None:
-    again = breadth.measured(
+    again = breadth.measure(
         DELTOID,
         METHODS['double cylinder'],
         '2 random motions',
-        random_ways(DELTOID, 2, step=COARSE),
+        random_sweeps(DELTOID, 2, step=COARSE),
     )
     assert again in rows
 
 
 def test_over_the_thesis_motions_the_linked_bands_neither_jump_nor_cross() -> None:
-    row = breadth.measured(DELTOID, METHODS['linked planes'], '', thesis_motions())
+    row = breadth.measure(DELTOID, METHODS['linked planes'], '', thesis_motions())
     assert row.crossed == 0.0
     assert row.length_jump < 1e-9
     assert row.moment_jump < 1e-6
@@ -271,7 +272,7 @@ def test_where_there_are_no_neighbours_there_is_no_breadth() -> None:
         breadth.compare(one)
     twice = Bands([METHODS['straight'].solver.models[0]] * 2)
     with pytest.raises(ValueError, match='two bands are one with the arm at the side'):
-        breadth.measured(DELTOID, Method('twice', '', twice), '', [straight_way(
+        breadth.measure(DELTOID, Method('twice', '', twice), '', [straight_sweep(
             np.zeros(3), np.ones(3), COARSE)])  # fmt: skip
 
 
@@ -284,7 +285,7 @@ def test_every_method_has_its_cost() -> None:
 def test_the_linked_planes_are_drawn_as_they_draw_themselves() -> None:
     solver = METHODS['linked planes'].solver
     assert isinstance(solver, LinkedPlaneSolver)
-    states, lines = breadth.drawn(solver, np.array((STILL, thesis_motions()[1][-1])))
+    states, lines = breadth.solve_and_draw(solver, np.array((STILL, thesis_motions()[1][-1])))
     for k, state in enumerate(states):
         for i, path in enumerate(state.paths(breadth.POINTS)):
             np.testing.assert_array_equal(lines[k, i, : len(path)], path)

@@ -14,7 +14,7 @@ from ..pictures import rivals as rivals_chart
 from ..subject import Subject
 from .parts import Cell, Chapter, PicturePart, TablePart
 
-WAYS = 12
+RANDOM_SWEEPS = 12
 JUMP = 1.0  # mm: more is a jump, and no rounding or kink
 SAME = 0.01  # of linked planes' figure: no worse than that
 PER_DEGREE = MILLIMETRES * math.pi / 180.0  # m/rad as mm/deg
@@ -75,7 +75,7 @@ def rivals_chapter(subject: Subject) -> Chapter:
     """Return the chapter on the rivals."""
     if len(subject.muscle.band_names) < 2:
         return Chapter('Rivals', ['The muscle has a single band, which has no breadth to keep.'])
-    breadths = compare(subject.muscle, ways=WAYS)
+    breadths = compare(subject.muscle, sweeps=RANDOM_SWEEPS)
     return Chapter('Rivals', [
         INTRODUCTION,
         _claim_table(breadths),
