@@ -18,7 +18,7 @@ def replace_when_complete(path: Path, error: type[LinkedPlaneError]) -> Iterator
     Parameters
     ----------
     path
-        Where the file shall be; what is there before is kept if the block fails.
+        Where the file is to appear; what is there before is kept if the block fails.
     error
         What is raised where the file cannot be written.
     """

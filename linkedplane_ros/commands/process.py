@@ -95,12 +95,12 @@ def run(args: argparse.Namespace) -> None:
               f'{options.bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
     out = Path(args.out)
     sources, faults = find_recordings(args.inputs)
-    alone = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]
-    tasks, clashes = build_tasks(sources, out, alone, options)
+    single = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]
+    tasks, clashes = build_tasks(sources, out, single, options)
     faults += clashes
     for fault in faults:
         print(f'linkedplane: {fault}', file=sys.stderr)
-    if tasks and not (alone and tasks[0].target == out):
+    if tasks and not (single and tasks[0].target == out):
         try:
             out.mkdir(parents=True, exist_ok=True)
         except OSError as error:

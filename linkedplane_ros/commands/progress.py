@@ -61,7 +61,7 @@ class ProgressBar:
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Remove the bar while lines are printed, so that each stands alone."""
+        """Remove the bar while the block prints lines."""
         self.__exit__()
         yield
         sys.stdout.flush()

@@ -41,7 +41,7 @@ UP = np.array((0.0, 0.0, 1.0))
 
 
 class RateLimiter:
-    """Decides which states get markers: so many a second, by the stamps of the input.
+    """Decides which states get markers: `rate` a second, by the stamps of the input.
 
     A replay at any speed then shows the same ones. After a jump in time, forwards or back, the next
     state is allowed at once; where stamps stand still, the time of arrival counts instead.

@@ -85,7 +85,7 @@ def plain_name(path: Path) -> str:
 
 
 def build_tasks(
-    sources: Sequence[Path], target: Path, alone: bool, options: Options
+    sources: Sequence[Path], target: Path, single: bool, options: Options
 ) -> tuple[list[Task], list[str]]:
     """Return a task for each recording.
 
@@ -94,8 +94,8 @@ def build_tasks(
     sources
         The recordings.
     target
-        The output of a recording alone; else the folder of all outputs.
-    alone
+        The output of a single recording; else the folder of all outputs.
+    single
         Whether the user named just one recording, and no folder or pattern.
     options
         How they are processed.
@@ -108,9 +108,9 @@ def build_tasks(
     Raises
     ------
     RecordingError
-        If several recordings shall go into one table.
+        If the target of several recordings is a table.
     """
-    if alone and (not target.is_dir() or is_bag(target)):
+    if single and (not target.is_dir() or is_bag(target)):
         return [Task(source, target, options) for source in sources], []
     if target.suffix.lower() in TABLE_ENDINGS:
         raise RecordingError(f'{target}: a folder expected for several recordings; --format csv?')

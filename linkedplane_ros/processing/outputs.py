@@ -75,7 +75,7 @@ def replace_output(path: Path, force: bool, bag: bool = False) -> Iterator[Path]
     Parameters
     ----------
     path
-        Where the output shall be; what is there before is kept if the block fails.
+        Where the output is to appear; what is there before is kept if the block fails.
     force
         Whether an output that exists is replaced.
     bag
@@ -89,7 +89,7 @@ def replace_output(path: Path, force: bool, bag: bool = False) -> Iterator[Path]
     if path.exists() and not force:
         raise RecordingError(f'{path}: exists; --force to replace it')
     if path.is_dir() and not (bag and (path / 'metadata.yaml').is_file()):
-        raise RecordingError(f'{path}: a folder; only a bag is replaced, and by a bag alone')
+        raise RecordingError(f'{path}: a folder; only a bag is replaced, and only by a bag')
     if bag and path.is_file():
         raise RecordingError(f'{path}: a file; a bag is a folder')
     if not path.parent.is_dir():

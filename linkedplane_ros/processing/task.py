@@ -174,7 +174,7 @@ def run_task(task: Task, progress: Progress = lambda frames, share: None) -> Rep
     Parameters
     ----------
     task
-        What is to be done.
+        The recording, its output and the options.
     progress
         Called after each chunk with the frames done and the share of the recording, 0 to 1.
     """
@@ -182,7 +182,7 @@ def run_task(task: Task, progress: Progress = lambda frames, share: None) -> Rep
         return _run(task, progress)
     except LinkedPlaneError as error:
         return Report(task, fault=str(error))
-    except Exception as error:  # whatever it is, the other recordings are still done
+    except Exception as error:  # the other recordings are still processed
         return report_failure(task, error)
 
 

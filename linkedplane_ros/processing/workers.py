@@ -131,7 +131,7 @@ def serve_tasks(pipe: Any, board: Any) -> None:
 def run_in_processes(
     tasks: Sequence[Task], jobs: int, board: Any, show: Callable[[], None]
 ) -> Iterator[tuple[int, Report]]:
-    """Process so many recordings at a time; an interruption ends them without partial outputs."""
+    """Process `jobs` recordings at a time; an interruption ends them without partial outputs."""
     left = iter(enumerate(tasks))
     busy: dict[Any, Worker] = {}
     idle = [Worker(board) for _ in range(jobs)]

@@ -160,7 +160,7 @@ class BagMotion:
         bones
             Which frames are the bones.
         convention
-            What the angles shall mean.
+            What the angles mean.
         side
             'right' or 'left': which shoulder the frames are of.
 

@@ -15,7 +15,7 @@ JOINT_STATE = 'sensor_msgs/msg/JointState'
 
 @dataclass(frozen=True)
 class RecordedMessage:
-    """One recorded message, as its bytes stand in the recording."""
+    """One recorded message, in the bytes of the recording."""
 
     topic: str
     time: int

@@ -62,7 +62,7 @@ class PoseFrameReader:
     bones
         Which frames are the bones.
     convention
-        What the angles shall mean.
+        What the angles mean.
     side
         'right' or 'left': which shoulder the frames are of.
     """

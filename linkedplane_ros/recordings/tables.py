@@ -196,7 +196,7 @@ def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[Row]
         cells += [row[k] for k in places]
     n = len(places)
     try:
-        if '_' in ''.join(cells):  # 1_0 is ten to Python alone
+        if '_' in ''.join(cells):  # only Python takes 1_0 for ten
             raise ValueError
         flat = np.array(cells, dtype=float)
     except ValueError:

@@ -1,8 +1,8 @@
 """How far modelled moment arms are from measured ones: ours, and those of published models.
 
 The measurements are those of Ackland et al. 2008: flexion and abduction, three heads. Differences
-are modelled less measured, at every 10 deg of the motion but the first (where nothing was measured)
-as far as the measurement goes.
+are modelled minus measured, at every 10 deg of the motion but the first (where nothing was
+measured) as far as the measurement goes.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ ANGLE_READINGS = (AS_IS, TWO_THIRDS, BY_THORAX)
 
 @dataclass(frozen=True, eq=False)
 class Deviation:
-    """A model's moment arms or lengths, of one head in one motion, less the measured ones."""
+    """A model's moment arms or lengths, of one head in one motion, minus the measured ones."""
 
     model: str
     head: str

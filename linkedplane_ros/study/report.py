@@ -116,9 +116,9 @@ def _head(subject: Subject) -> str:
         Made by `linkedplane study` of linkedplane_ros {__version__} from the model
         `{subject.model}`{scaled}. It does chapter 5 and appendix E of B. Xu's thesis *A
         Linked-plane Obstacle-set Algorithm for Modeling Broad Muscle Paths: Application to the
-        Deltoid Muscle* again, and says where the printed text and its numbers part. Lengths and
+        Deltoid Muscle* again, and says where the printed text and its numbers differ. Lengths and
         moment arms are in mm, angles in degrees; each table is a CSV file, too. The sources of the
-        figures of others stand in the package's `literature/README.md`.
+        numbers of others are in the package's `literature/README.md`.
     """)
 
 

@@ -44,7 +44,7 @@ def test_a_muscle_that_is_no_deltoid_is_studied_without_the_literature(tmp_path:
     assert 'This is not the published deltoid' in text
     assert 'The model has no interference spheres.' in text
     assert 'so nothing is compared' in text
-    assert 'No measurement of these heads is at hand.' in text
+    assert 'No measurement of these heads is available.' in text
     assert 'Ackland' not in text
     assert {path.stem for path in (out / 'tables').iterdir()} == {
         'heads', 'cubic_less_exact', 'experiments', 'rivals', 'rivals_obstacles',

@@ -29,7 +29,7 @@ LENGTHS = """
     them, integrated, from the model's own first length; over the measured angle as it is and over
     two thirds of it.
 """
-NONE = 'No measurement of these heads is at hand.'
+NONE = 'No measurement of these heads is available.'
 
 
 def experiments_chapter(subject: Subject) -> Chapter:
@@ -118,7 +118,7 @@ def _cubic_table(subject: Subject) -> TablePart:
                  round(DEGREES * one.angles[worst]))
             )  # fmt: skip
     return TablePart(
-        'cubic_less_exact', 'Moment arms from cubics, less the exact ones',
+        'cubic_less_exact', 'Moment arms from cubics, minus the exact ones',
         ('head', 'motion', 'mean_size_mm', 'worst_mm', 'at_deg'), rows,
     )  # fmt: skip
 

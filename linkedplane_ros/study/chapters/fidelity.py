@@ -31,22 +31,22 @@ from .parts import Cell, Chapter, PicturePart, TablePart
 THIS = 'this model'
 BACK = math.radians(-30.0)  # about the vertical: from the plane of the scapula to the body's
 ELSEWHERE = """
-    The measurements at hand are of the deltoid's anterior, middle and posterior heads; this model
+    The available measurements are of the deltoid's anterior, middle and posterior heads; this model
     is not called a deltoid with heads of these names, so nothing is compared.
 """
 ABOUT = """
     **Measured** are the moment arms of Ackland et al. 2008 (J Anat 213:383-390; 8 cadaver arms,
     tendon excursion): three heads, in flexion and abduction, not in scaption. One curve for each is
-    at hand, without scatter, digitised by others to about 1 mm.
+    available, without scatter, digitised by others to about 1 mm.
 
     The source of the numbers does not say whether its angle is glenohumeral or that of the arm
     against the thorax. So there are readings: the *angle as is*; *two thirds of it*, the
     glenohumeral share of an elevation by the usual 2 : 1; and, if the excursion was divided by that
     same larger angle, *arms by 3/2* as well. None of them is known to be right.
 
-    A difference is modelled less measured: the exact moment arm of the band that represents the
+    A difference is modelled minus measured: the exact moment arm of the band that represents the
     head, at every 10 deg but the first as far as both go. A mean is that of sizes, over heads,
-    motions and steps. **The scale stands in each table by name**: none, or
+    motions and steps. **Each table names the scale**: none, or
     the thesis's half.
 """
 
@@ -100,7 +100,7 @@ def _head_table(ours: Ours) -> TablePart:
     quantities = ('mean_mm', 'worst_mm', 'mean_if_halved_mm')
     columns = [f'{name}_{each}' for name in ('as_is', 'two_thirds') for each in quantities]
     return TablePart(
-        'fidelity_by_head', 'Moment arms of this model, less the measured ones',
+        'fidelity_by_head', 'Moment arms of this model, minus the measured ones',
         ('head', 'motion', *columns), rows,
     )  # fmt: skip
 
@@ -222,14 +222,14 @@ def _verdict_text(subject: Subject, ours: Ours) -> str:
         spike of 28 mm at 70 deg of flexion: their means are no measure of care.
 
         **Halving** the moment arms takes the mean deviation from {whole} to {half}: it helps in the
-        one reading and harms in the other. Whether it is right cannot be told from this
-        measurement.
+        one reading and harms in the other. This measurement does not show whether it is
+        right.
 
         **What is unknown.** The angle of the measurement. How the specimens compare with the very
         muscular man of the model, and how far they scatter. Which part of a head was measured: the
         bands of one head differ by up to {_spread(subject):.0f} mm. Kuechle 1997, Liu 1997 and Otis
-        1994, to which the model was fitted or compared, are not at hand as numbers: agreement with
-        them, and anything in scaption, is not tested.
+        1994, to which the model was fitted or compared, are not available as numbers: agreement
+        with them, and anything in scaption, is not tested.
 
         **Planes.** The thesis lays x laterally *in the plane of the scapula* and calls the turn
         about -y abduction; taken literally that is elevation in the plane of the scapula, and its

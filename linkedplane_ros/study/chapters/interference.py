@@ -18,9 +18,9 @@ from .parts import Cell, Chapter, PicturePart, TablePart
 ALTERNATIVE = f"""
     Erratum 9 names an alternative reading: the z axis of the obstacle spheres' moving frame
     reversed, as a cross product with its factors swapped would give. It is read in two ways here:
-    *{REVERSED_Z}* alone (y as it was; the frame is then left-handed), which is the way that the
-    erratum's words fit best, though *nearly clears bands 1 to 6* does not hold of bands 5 and 6 in
-    flexion; and with y = z cross x taken at its word, so that y turns with it.
+    only *{REVERSED_Z}* (y as it was; the frame is then left-handed), which fits the erratum's
+    words best, though *nearly clears bands 1 to 6* is not true of bands 5 and 6 in flexion; and
+    with y = z cross x taken literally, so that y is reversed, too.
     Neither keeps the bands out of bone.
 """
 LOST = """

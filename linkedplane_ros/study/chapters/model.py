@@ -19,7 +19,7 @@ ERRATA: tuple[tuple[int, str, str, str], ...] = (
      'E0 to E4 are the radius (36 to 14 mm over the bands), D0 to D4 phi (rad)'),
     (6, 'ch. 5', 'phi is called second-order once; five coefficients are printed', 'all five'),
     (7, 'ch. 5', 'N is said to point 34 deg medial and 62 deg inferior to anterior; the vector '
-     'does not, nor is it a unit vector', 'the vector, normalised'),
+     'does not, and is no unit vector', 'the vector, normalised'),
     (8, 'Figures E.4, E.5', 'lengths and moment arms are labelled mm/degree', 'mm'),
     (9, 'ch. 6', 'no band is said to enter an interference sphere; the printed parameters let them',
      'reported: see *Interference*'),

@@ -82,8 +82,8 @@ def rivals_chapter(subject: Subject) -> Chapter:
         VERDICT,
         PicturePart(
             'rivals',
-            """Each method over the thesis's motions, over the whole range of each coordinate alone,
-            and over straight ways between random poses of the range.""",
+            """Each method over the thesis's motions, over the whole range of each coordinate,
+            and over straight motions between random poses of the range.""",
             lambda: rivals_chart.rivals_figure(breadths),
         ),
         _breadth_table(breadths),

@@ -163,7 +163,7 @@ def entries_figure(readings: Mapping[str, tuple[Subject, Checks]]) -> Figure:
 def draw_panels(
     panels: Sequence[Panel], columns: int, height: float, title: float = TITLE
 ) -> Figure:
-    """Return a page of pictures, so many in a row, each of a height in inches below its title."""
+    """Return a page of pictures, `columns` in a row, each of a height in inches below its title."""
     from matplotlib.figure import Figure
 
     rows = -(-len(panels) // columns)
