@@ -30,8 +30,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add('--format', dest='kind', choices=('bag', 'csv', 'parquet'),
         help="of the output (default: by OUT's ending, else bag)")
     add('--force', action='store_true', help='replace an output that exists')
+    # fmt: on
+    _add_angles(parser.add_argument_group('where the angles come from'))
+    _add_motion(parser.add_argument_group('what is done to the motion'))
+    _add_output(parser.add_argument_group('the muscle and the output'))
+    _add_work(parser.add_argument_group('how the work is shared'))
 
-    angles = parser.add_argument_group('where the angles come from')
+
+def _add_angles(angles: argparse._ArgumentGroup) -> None:
+    # fmt: off
     add = angles.add_argument
     add('--convention', choices=tuple(JOINT_CONVENTIONS), default='flexion_abduction_rotation',
         help='the joint convention: what the angles mean (default: %(default)s)')
@@ -56,8 +63,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add('--frame-axes', choices=('model', 'isb'),
         help='axes of the frames. model: x to the right, y anterior, z superior; '
         'isb: x anterior, y superior, z to the right (default: model)')
+    # fmt: on
 
-    motion = parser.add_argument_group('what is done to the motion')
+
+def _add_motion(motion: argparse._ArgumentGroup) -> None:
+    # fmt: off
     add = motion.add_argument
     add('--rate', type=positive_number, metavar='HZ',
         help='resample the angles at HZ (default: as recorded)')
@@ -65,17 +75,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='filter the angles first, without lag: Butterworth, cutoff at HZ (default: no filter)')
     add('--differentiate', action='store_true',
         help='velocities by differences, even where some were recorded')
+    # fmt: on
 
-    muscle = parser.add_argument_group('the muscle and the output')
-    add_muscle(muscle)
-    add_scale(muscle)
-    add_side(muscle)
-    add = muscle.add_argument
+
+def _add_output(output: argparse._ArgumentGroup) -> None:
+    # fmt: off
+    add_muscle(output)
+    add_scale(output)
+    add_side(output)
+    add = output.add_argument
     add('--frame-id', default='scapula', metavar='NAME',
         help='the frame of the outputs (default: %(default)s)')
     add('--no-markers', dest='markers', action='store_false', help='leave the markers out of a bag')
+    # fmt: on
 
-    work = parser.add_argument_group('how the work is shared')
+
+def _add_work(work: argparse._ArgumentGroup) -> None:
+    # fmt: off
     add = work.add_argument
     add('--jobs', type=positive_count, default=1, metavar='N',
         help='recordings at a time (default: %(default)s)')

@@ -138,7 +138,6 @@ def _figure(processed: ProcessedRecording, x: Floats, label: str, crowded: bool)
 def _page(processed: ProcessedRecording, label: str) -> tuple[Figure, npt.NDArray[Any]]:
     """Return a figure with its text, and its empty panels (5, number of heads)."""
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
     from matplotlib.ticker import MaxNLocator
 
     columns, most = len(processed.heads), max(map(len, processed.heads.values()))
@@ -170,6 +169,15 @@ def _page(processed: ProcessedRecording, label: str) -> tuple[Figure, npt.NDArra
     for axes, quantity in zip(panels[:, 0], ('length (mm)', *arms, 'wrap state'), strict=True):
         axes.set_ylabel(quantity)
     figure.align_ylabels(panels[:, 0])
+    _write_text(figure, title, caption)
+    return figure, panels
+
+
+def _write_text(figure: Figure, title: list[str], caption: list[str]) -> None:
+    """Write the title above the panels; the wrap states' greys and the caption below them."""
+    from matplotlib.patches import Patch
+
+    width, height = figure.get_size_inches().tolist()
     figure.text(LEFT / width, 1.0 - 0.08 / height, '\n'.join(title), size=8.0, va='top')
     figure.text(LEFT / width, 0.06 / height, '\n'.join(caption), size=6.0, va='bottom')
     figure.legend(
@@ -179,7 +187,6 @@ def _page(processed: ProcessedRecording, label: str) -> tuple[Figure, npt.NDArra
         borderaxespad=0.0,
         ncols=len(STATE_GREYS),
     )
-    return figure, panels
 
 
 def _lines(text: str, inches: float, points: float) -> list[str]:

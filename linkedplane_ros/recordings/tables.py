@@ -195,11 +195,8 @@ def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[Row]
         lines.append(line)
         cells += [row[k] for k in places]
     n = len(places)
-    try:
-        if '_' in ''.join(cells):  # only Python takes 1_0 for ten
-            raise ValueError
-        flat = np.array(cells, dtype=float)
-    except ValueError:
+    flat = parse_cells(cells)
+    if flat is None:
         named = ((lines[i // n], header[places[i % n]], cell) for i, cell in enumerate(cells))
         flat = np.array([parse_number(*each) for each in named])
     numbers = flat.reshape(len(lines), n)
@@ -208,6 +205,16 @@ def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[Row]
         k = int(np.argmin(is_time))
         raise RecordingError(f'{lines[k]}: its time is {cells[n * k]!r}; a finite number expected')
     return numbers
+
+
+def parse_cells(cells: list[str]) -> Floats | None:
+    """Return the numbers in cells; None if one is empty, or no number, or has an underscore."""
+    if '_' in ''.join(cells):  # only Python takes 1_0 for ten
+        return None
+    try:
+        return np.array(cells, dtype=float)
+    except ValueError:
+        return None
 
 
 def parse_number(line: int, name: str, cell: str) -> float:
