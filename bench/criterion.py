@@ -11,7 +11,7 @@ import numpy as np
 from linkedplane_ros import LinkedPlaneSolver
 from linkedplane_ros.fit.criterion import Criterion
 from linkedplane_ros.fit.data import Data, Measurement
-from linkedplane_ros.fit.parameters import space
+from linkedplane_ros.fit.parameters import build_space
 
 CASE_STUDY = {'flexion': 80, 'abduction': 90, 'scaption': 60}  # deg, by tens: 26 poses
 PART = 1e-3  # m: what the bands are off by, so that nothing is zero
@@ -25,9 +25,9 @@ def criterion_calls(one: LinkedPlaneSolver) -> dict[str, Callable[[], Any]]:
         for angle in range(0, last + 1, 10)
         for i, band in enumerate(one.muscle.band_names)
     ]
-    parameters = space(one.muscle.definition)
+    parameters = build_space(one.muscle.definition)
     data = Data(Path('case study'), tuple(measured), 1.0, None)
-    criterion = Criterion.of(one.muscle, parameters, data)
+    criterion = Criterion.from_data(one.muscle, parameters, data)
     rotations = np.array([row.pose()[0] for row in measured if row.band == 0])
     start = parameters.start
     return {

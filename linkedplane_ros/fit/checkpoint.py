@@ -1,4 +1,4 @@
-"""The state of a fit on disk, so that one that was stopped goes on as if it had not been."""
+"""The state of a fit on disk: a fit that was stopped continues as if it had not been."""
 
 from __future__ import annotations
 
@@ -16,7 +16,16 @@ EVERY = 5.0  # s
 
 
 class Checkpoint:
-    """A file that is written now and then, whole or not at all."""
+    """A file with the state of a search, replaced every few seconds.
+
+    Parameters
+    ----------
+    path
+        The file.
+    fingerprint
+        Of the fit (`fitting.fit_fingerprint`): the state of another fit is refused.
+
+    """
 
     def __init__(self, path: Path, fingerprint: str) -> None:
         """Name the file and the fit."""
@@ -28,32 +37,32 @@ class Checkpoint:
         """Whether this fit's state is on disk."""
         return self._written > -math.inf
 
-    def offer(self, search: Any) -> None:
-        """Write the state of a search if the last one is some seconds old."""
+    def write_if_due(self, search: Any) -> None:
+        """Write the state of a search if the last one written is EVERY seconds old."""
         if time.monotonic() - self._written >= EVERY:
             self.write(search.state())
 
     def write(self, state: dict[str, Any]) -> None:
-        """Write a state; LinkedPlaneError where it cannot be."""
+        """Write a state, in types that JSON has; LinkedPlaneError where it cannot be written."""
         text = json.dumps({'format': FORMAT, 'fit': self.fingerprint, 'state': state})
         with replace_when_complete(self.path, LinkedPlaneError) as part:
             part.write_text(text, encoding='utf-8')
         self._written = time.monotonic()
 
     def read(self) -> dict[str, Any]:
-        """Return the state on disk; ValueError in one line if it is none of this fit."""
+        """Return the state on disk; LinkedPlaneError if it cannot be read, or is of another fit."""
         try:
             content = json.loads(self.path.read_text(encoding='utf-8'))
             if content['format'] != FORMAT:
                 raise KeyError
             fit, state = content['fit'], dict(content['state'])
         except OSError as error:
-            raise ValueError(f'{self.path}: cannot be read: {error.strerror}') from None
+            raise LinkedPlaneError(f'{self.path}: cannot be read: {error.strerror}') from None
         except (ValueError, KeyError, TypeError):
-            raise ValueError(f'{self.path}: no checkpoint of a fit') from None
+            raise LinkedPlaneError(f'{self.path}: not a checkpoint of a fit') from None
         if fit != self.fingerprint:
-            raise ValueError(
-                f'{self.path}: of another fit: the model, the data or an option is not the same'
+            raise LinkedPlaneError(
+                f'{self.path}: of another fit: the model, the data or an option differs'
             )
         self._written = time.monotonic()
         return state

@@ -31,34 +31,43 @@ SAME = 1e-9  # rad: rounding of angles that are the same
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured of a band at a pose."""
+    """What was measured of a band at a pose: a length, a moment arm, or both."""
 
     part: str
     """The head or band, as the table names it."""
     band: int
-    """The band of the model that it is compared with: a head's is the one that represents it."""
+    """The number of the model's band that it is compared with: of a head, the representing one."""
     motion: str
     """The motion, or the coordinate that the moment arm is about."""
     angles: tuple[float, ...]
-    """The angle of the motion, or the convention's three angles; rad."""
+    """rad, the angle of the motion, or the convention's three angles."""
     length: float
     """m; NaN: not measured."""
     arm: float
-    """m, positive where shortening carries the motion on; NaN: not measured."""
+    """m, positive where shortening continues the motion; NaN: not measured."""
     weight: float = 1.0
     """Of the squared deviations."""
     convention: JointConvention | None = None
-    """What three angles mean."""
+    """What three angles mean; None for the angle of a motion."""
 
     @property
     def angle(self) -> float:
-        """The angle of the motion or of the coordinate, rad."""
+        """rad, the angle of the motion or of the coordinate."""
         if self.convention is None:
             return self.angles[0]
         return self.angles[self.convention.coordinates.index(self.motion)]
 
     def pose(self) -> tuple[Floats, Floats]:
-        """Return the rotation (3, 3) and the axis (3,) of the moment arm, both in the scapula."""
+        """Return the pose.
+
+        Returns
+        -------
+        rotation : Floats
+            (3, 3) humerus -> scapula.
+        axis : Floats
+            (3,) what the moment arm is about, in the scapula frame.
+
+        """
         if self.convention is None:
             axis = np.array(MOTIONS[self.motion])
             return rotation_about(axis, self.angles[0]), axis
@@ -73,8 +82,9 @@ class Data:
     path: Path
     measurements: tuple[Measurement, ...]
     angle_scale: float
+    """What the angles of motions were multiplied by."""
     step: float | None
-    """rad; None: at the table's own angles."""
+    """rad, of which curves are taken at multiples; None: at the table's own angles."""
 
     @property
     def reading(self) -> str:
@@ -88,25 +98,41 @@ class Data:
         return angles + (f', every {math.degrees(self.step):g} deg' if self.step else '')
 
 
-def read(
+def read_data(
     path: str | Path,
     muscle: BroadMuscle,
     convention: str = 'flexion_abduction_rotation',
     angle_scale: float = 1.0,
     step: float | None = None,
 ) -> Data:
-    """Return the measurements of a CSV; RecordingError in one line for whatever is wrong.
+    """Return the measurements in a CSV file (doc/how_to/fitting.md).
 
-    A motion's angles are multiplied by `angle_scale`; its curves are then taken at the multiples of
-    `step` (rad), linear between the rows, where one is given. Either is a fault for poses, which
-    are taken as they stand.
+    Parameters
+    ----------
+    path
+        The file.
+    muscle
+        The model whose heads or bands the table names.
+    convention
+        What three angles mean, a name of JOINT_CONVENTIONS.
+    angle_scale
+        What the angles of motions are multiplied by; 1 for a table of poses.
+    step
+        rad: the curves of motions are taken at its multiples, linear between the rows. None: at the
+        table's own angles; always so for a table of poses.
+
+    Raises
+    ------
+    RecordingError
+        One line with file, line and reason.
+
     """
     path = Path(path)
     with open_lines(path) as (lines, _):
         rows = csv_rows(lines)
         line, names = next(rows, (1, []))
-        columns = Columns.of(line, [name.strip() for name in names], convention)
-        found = [columns.measurement(muscle, line, cells) for line, cells in rows]
+        columns = Columns.from_names(line, [name.strip() for name in names], convention)
+        found = [columns.read_row(muscle, line, cells) for line, cells in rows]
         if not found:
             raise RecordingError(f'{line}: no rows of measurements after the names')
     if columns.convention is not None:
@@ -118,7 +144,7 @@ def read(
     scaled = [replace(each, angles=(angle_scale * each.angles[0],)) for each in found]
     if step is not None:
         try:
-            scaled = list(_stepped(scaled, step))
+            scaled = list(_resample(scaled, step))
         except RecordingError as error:
             raise RecordingError(f'{path}: {error}') from None
     return Data(path, tuple(scaled), angle_scale, step)
@@ -126,21 +152,23 @@ def read(
 
 @dataclass(frozen=True)
 class Columns:
-    """Where what stands in the rows of a table; -1: nowhere."""
+    """The columns of a table by their numbers; -1: there is none."""
 
     names: tuple[str, ...]
     part: int
     motion: int
     angles: tuple[tuple[int, float], ...]
-    """Each angle's column and its unit, rad."""
+    """Each angle's column, and its unit in rad."""
     length: tuple[int, float]
+    """Its column, and its unit in m."""
     arm: tuple[int, float]
+    """Its column, and its unit in m."""
     weight: int
     convention: JointConvention | None
 
     @staticmethod
-    def of(line: int, names: Sequence[str], convention: str) -> Columns:
-        """Return the columns of a table; RecordingError for names that say too little or much."""
+    def from_names(line: int, names: Sequence[str], convention: str) -> Columns:
+        """Return the columns of a table; RecordingError for names missing, unknown or unclear."""
         turns = JOINT_CONVENTIONS[convention]
         by_motion = 'motion' in names
         if by_motion == ('about' in names):
@@ -163,15 +191,15 @@ class Columns:
         )
         known = {k for k, _ in (*columns.angles, columns.length, columns.arm)}
         known |= {columns.part, columns.motion, columns.weight}
-        for k, name in enumerate(names):
-            if k not in known and name != 'note':
-                raise RecordingError(f'{line}: column {name!r} means nothing here')
+        unknown = [name for k, name in enumerate(names) if k not in known and name != 'note']
+        if unknown:
+            raise RecordingError(f'{line}: unknown column {unknown[0]!r}')
         if columns.length[0] < 0 and columns.arm[0] < 0:
             raise RecordingError(f'{line}: a column length_mm or moment_arm_mm expected')
         return columns
 
-    def measurement(self, muscle: BroadMuscle, line: int, cells: Sequence[str]) -> Measurement:
-        """Return what a row says; RecordingError in one line for whatever is wrong."""
+    def read_row(self, muscle: BroadMuscle, line: int, cells: Sequence[str]) -> Measurement:
+        """Return the measurement of a row; RecordingError with line and reason."""
         if len(cells) != len(self.names):
             raise RecordingError(f'{line}: {len(cells)} cells; {len(self.names)} expected')
 
@@ -186,9 +214,9 @@ class Columns:
                 f'{line}: column {self.names[self.motion]!r}: {motion[:40]!r}; one of '
                 f'{", ".join(motions)} expected'
             )
-        found = Measurement(
+        measurement = Measurement(
             part,
-            band_of(muscle, part, line),
+            find_band(muscle, part, line),
             motion,
             tuple(value(column) for column in self.angles),
             value(self.length),
@@ -196,12 +224,12 @@ class Columns:
             value((self.weight, 1.0)) if self.weight >= 0 else 1.0,
             self.convention,
         )
-        _check(found, line)
-        return found
+        _check_measurement(measurement, line)
+        return measurement
 
 
-def band_of(muscle: BroadMuscle, part: str, line: int) -> int:
-    """Return the band that a part of the table stands for: itself, or a head's representing one."""
+def find_band(muscle: BroadMuscle, part: str, line: int) -> int:
+    """Return the number of the band that a part names: itself, or a head's representing one."""
     represented = {head.name: head.represented_by for head in muscle.heads}
     band = part if part in muscle.band_names else represented.get(part)
     if band is None:
@@ -212,11 +240,11 @@ def band_of(muscle: BroadMuscle, part: str, line: int) -> int:
     return muscle.band_names.index(band)
 
 
-def _check(found: Measurement, line: int) -> None:
+def _check_measurement(found: Measurement, line: int) -> None:
     if not all(map(math.isfinite, found.angles)):
         raise RecordingError(f'{line}: an angle is missing or not finite')
     if max(map(abs, found.angles)) > 2.0 * math.pi:
-        raise RecordingError(f'{line}: an angle beyond a full turn; in degrees, or in rad?')
+        raise RecordingError(f'{line}: an angle of more than a full turn: in degrees, or in rad?')
     if math.isnan(found.length) and math.isnan(found.arm):
         raise RecordingError(f'{line}: neither a length nor a moment arm')
     for name, value in (('length', found.length), ('moment arm', found.arm)):
@@ -231,7 +259,7 @@ def _check(found: Measurement, line: int) -> None:
 def _unit_column(
     line: int, names: Sequence[str], name: str, units: Sequence[str], needed: bool = True
 ) -> tuple[int, float]:
-    """Return where a quantity stands, by its name and unit, and the unit in rad or m."""
+    """Return the column of a quantity, by its name and unit, and the unit in rad or m."""
     found = [unit for unit in units if f'{name}_{unit}' in names]
     if len(found) > 1 or (needed and not found):
         raise RecordingError(
@@ -243,8 +271,8 @@ def _unit_column(
     return find_column(line, names, f'{name}_{found[0]}'), UNITS[found[0]]
 
 
-def _stepped(measurements: Sequence[Measurement], step: float) -> Iterator[Measurement]:
-    """Yield each curve at the multiples of a step, lengths and moment arms each between their rows.
+def _resample(measurements: Sequence[Measurement], step: float) -> Iterator[Measurement]:
+    """Yield each curve at the multiples of a step (rad), linear between its rows.
 
     RecordingError for a curve with two rows at an angle, and for one without any multiple.
     """
@@ -257,28 +285,29 @@ def _stepped(measurements: Sequence[Measurement], step: float) -> Iterator[Measu
         twice = np.flatnonzero(np.diff(q) < SAME)
         if len(twice):
             raise RecordingError(
-                f'{motion}, {part}: two rows at {math.degrees(q[twice[0]]):g} deg; a curve, to be '
-                'taken at steps, has one'
+                f'{motion}, {part}: two rows at {math.degrees(q[twice[0]]):g} deg, one expected '
+                'of a curve that is taken at steps'
             )
-        at = step * np.arange(math.ceil(q[0] / step - SAME), math.floor(q[-1] / step + SAME) + 1)
+        first, last = math.ceil(q[0] / step - SAME), math.floor(q[-1] / step + SAME)
+        angles = step * np.arange(first, last + 1)
         columns = np.array([(each.length, each.arm, each.weight) for each in curve]).T
-        lengths, arms, weights = (_between(at, q, column) for column in columns)
+        lengths, arms, weights = (_interpolate(angles, q, column) for column in columns)
         taken = np.isfinite(lengths) | np.isfinite(arms)
         if not taken.any():
             raise RecordingError(
                 f'{motion}, {part}: no multiple of {math.degrees(step):g} deg between '
                 f'{math.degrees(q[0]):g} and {math.degrees(q[-1]):g} deg'
             )
-        rows = zip(*(each[taken].tolist() for each in (at, lengths, arms, weights)), strict=True)
+        rows = np.array((angles, lengths, arms, weights))[:, taken].T.tolist()
         for angle, length, arm, weight in rows:
             yield replace(curve[0], angles=(angle,), length=length, arm=arm, weight=weight)
 
 
-def _between(at: Floats, q: Floats, values: Floats) -> Floats:
-    """Return values at some places, linear between those that are not NaN; NaN beyond them."""
+def _interpolate(angles: Floats, q: Floats, values: Floats) -> Floats:
+    """Return values at angles, linear between those at q that are not NaN; NaN outside of these."""
     known = np.isfinite(values)
     if not known.any():
-        return np.full(len(at), math.nan)
-    found = np.interp(at, q[known], values[known])
-    beyond = (at < q[known][0] - SAME) | (at > q[known][-1] + SAME)
+        return np.full(len(angles), math.nan)
+    found = np.interp(angles, q[known], values[known])
+    beyond = (angles < q[known][0] - SAME) | (angles > q[known][-1] + SAME)
     return np.where(beyond, math.nan, found)

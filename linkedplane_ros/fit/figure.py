@@ -1,4 +1,4 @@
-"""The picture of a fit: what was measured, and the model before and after."""
+"""The pictures of a fit: what was measured, the model before and after, and the trade-off."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..drawing.colours import HEAD_COLOURS
 from ..drawing.figure_files import house_style, write_figure
 from ..types import Colour
 from .criterion import MM
-from .report import Outcome, mean
+from .report import Outcome, mean_deviation
 
 WIDTH, HEIGHT = 2.6, 2.2  # of a panel, inches
 
 
-def draw(outcome: Outcome, file: Path) -> None:
+def draw_fit(outcome: Outcome, file: Path) -> None:
     """Write the picture as PNG: rows lengths and moment arms, columns motions, colours parts.
 
     RecordingError if it cannot be written, or matplotlib is not there.
@@ -26,22 +26,22 @@ def draw(outcome: Outcome, file: Path) -> None:
     with house_style():
         from matplotlib.figure import Figure
 
-        kinds = {kind: rows for kind, rows in outcome.deviations(outcome.found).items() if rows}
+        kinds = {kind: rows for kind, rows in outcome.deviations(outcome.end).items() if rows}
         before = outcome.deviations(outcome.start)
         motions = list(dict.fromkeys(row[1] for rows in kinds.values() for row in rows))
-        colours = _colours(outcome)
+        colours = _find_colours(outcome)
         figure = Figure((WIDTH * len(motions) + 0.8, HEIGHT * len(kinds) + 0.9))
         panels = figure.subplots(len(kinds), len(motions), squeeze=False, sharey='row')
         for row, kind in zip(panels, kinds, strict=True):
             for axes, motion in zip(row, motions, strict=True):
                 for part, (_, colour) in colours.items():
                     of = (part, motion)
-                    _curves(axes, outcome, kind, of, (before[kind], kinds[kind]), colour)
+                    _draw_curves(axes, outcome, kind, of, (before[kind], kinds[kind]), colour)
                 axes.set_visible(axes.has_data())
                 axes.axhline(0.0, color='0.8', linewidth=0.6, zorder=0) if kind != 'length' else 0
                 axes.set_xlabel(f'{motion} (deg)')
             row[0].set_ylabel(f'{kind} (mm)')
-        _legend(figure, dict(colours.values()))
+        _add_legend(figure, dict(colours.values()))
         title = f'{outcome.title}; {outcome.data.path.name}, {outcome.data.reading}'
         figure.suptitle(title, fontsize=7.0)
         figure.tight_layout(rect=(0.0, 0.09, 1.0, 1.0))
@@ -58,14 +58,16 @@ def draw_trade_off(outcome: Outcome, file: Path) -> None:
 
         figure = Figure((4.0, 2.8))
         axes = figure.subplots()
-        deepest = [MM * stage.over.depths.max() for stage in outcome.stages]
+        deepest = [MM * stage.survey.depths.max() for stage in outcome.stages]
         for kind, line in (('moment arm', 'o-'), ('length', 's--')):
-            if outcome.deviations(outcome.found)[kind]:
-                means = [mean(outcome.deviations(each.found)[kind]) for each in outcome.stages]
+            if outcome.deviations(outcome.end)[kind]:
+                means = [
+                    mean_deviation(outcome.deviations(each.best)[kind]) for each in outcome.stages
+                ]
                 axes.plot(deepest, means, line, color='0.2', markersize=3.0, label=kind)
-                at = mean(outcome.deviations(outcome.start)[kind])
-                over = MM * outcome.over_before.depths.max()
-                axes.plot([over], [at], line[0], color='0.2', fillstyle='none', markersize=5.0,
+                before = mean_deviation(outcome.deviations(outcome.start)[kind])
+                depth = MM * outcome.survey_before.depths.max()
+                axes.plot([depth], [before], line[0], color='0.2', fillstyle='none', markersize=5.0,
                           label=f'{kind}, {outcome.before.name}')  # fmt: skip
         axes.set_xlabel('deepest entry of a band into bone over the range of motion (mm)')
         axes.set_ylabel('mean deviation (mm)')
@@ -79,7 +81,7 @@ def draw_trade_off(outcome: Outcome, file: Path) -> None:
         write_figure(figure, file, 'png')
 
 
-def _curves(
+def _draw_curves(
     axes: Any,
     outcome: Outcome,
     kind: str,
@@ -106,7 +108,7 @@ def _curves(
                   linewidth=0.9, **style)  # fmt: skip
 
 
-def _colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:
+def _find_colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:
     """Return of each part that was measured the head that it belongs to, and that one's colour."""
     muscle = outcome.after
     heads = {
@@ -119,7 +121,7 @@ def _colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:
     }
 
 
-def _legend(figure: Any, colours: Mapping[str, Colour]) -> None:
+def _add_legend(figure: Any, colours: Mapping[str, Colour]) -> None:
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=colour, label=head) for head, colour in colours.items()]

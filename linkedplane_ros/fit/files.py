@@ -1,4 +1,4 @@
-"""The files of a fit, written whole or not at all: model, report, pictures, and its checkpoint."""
+"""The files of a fit, written all or none: model, report, pictures; and its checkpoint."""
 
 from __future__ import annotations
 
@@ -6,17 +6,32 @@ import os
 import tempfile
 from pathlib import Path
 
-from .figure import draw, draw_trade_off
-from .report import Outcome, markdown
+from ..errors import LinkedPlaneError
+from .figure import draw_fit, draw_trade_off
+from .report import Outcome, report_text
 
 
 class Files:
-    """Where a fit writes to, all beside each other."""
+    """The files that a fit writes, all in one folder.
+
+    Parameters
+    ----------
+    model
+        The fitted model, .yaml; the others have its name with other endings.
+    tightens
+        Whether the plan has depths to tighten by, and so a picture of the trade-off.
+
+    Raises
+    ------
+    LinkedPlaneError
+        For a model that does not end in .yaml.
+
+    """
 
     def __init__(self, model: Path, tightens: bool) -> None:
-        """Name them; ValueError for a model that does not end in .yaml."""
+        """Name the files."""
         if model.suffix not in ('.yaml', '.yml'):
-            raise ValueError(f'{model}: a model file ends in .yaml')
+            raise LinkedPlaneError(f'{model}: a model file ends in .yaml')
         self.model = model
         self.checkpoint, self.report = model.with_suffix('.checkpoint'), model.with_suffix('.md')
         self.pictures = {'Measured and modelled': model.with_suffix('.png')}
@@ -26,34 +41,39 @@ class Files:
 
     @property
     def results(self) -> tuple[Path, ...]:
-        """What a fit leaves."""
+        """The files that a fit leaves."""
         return self.model, self.report, *self.pictures.values()
 
-    def check(self, data: Path, force: bool) -> None:
-        """ValueError for what would be lost, and for a place that cannot be written to."""
+    def check_overwriting(self, data: Path, force: bool) -> None:
+        """Refuse to overwrite the data, or a result without `force`, or a folder."""
         if not self.model.parent.is_dir():
-            raise ValueError(f'{self.model}: no folder {self.model.parent} to write into')
+            raise LinkedPlaneError(f'{self.model}: no folder {self.model.parent} to write into')
         for path in self.results:
             if path.exists() and path.resolve() == data.resolve():
-                raise ValueError(f'{path}: holds the measurements; another name expected')
+                raise LinkedPlaneError(f'{path}: holds the measurements; another name expected')
             if path.is_dir():
-                raise ValueError(f'{path}: a folder; a file is to be written there')
+                raise LinkedPlaneError(f'{path}: is a folder; the name of a file expected')
             if path.exists() and not force:
-                raise ValueError(f'{path}: is there already; --force replaces it')
+                raise LinkedPlaneError(f'{path}: exists already; --force replaces it')
 
-    def write(self, outcome: Outcome) -> None:
-        """Write all; each takes its place when the last is complete. ValueError if one cannot."""
+    def write_outcome(self, outcome: Outcome) -> None:
+        """Write all results; each takes its place when the last is complete.
+
+        LinkedPlaneError where one cannot be written; none is replaced then.
+        """
         try:
             with tempfile.TemporaryDirectory(prefix='.fit.', dir=self.model.parent) as folder:
                 beside = [Path(folder) / path.name for path in self.results]
                 model, report, picture, *trade_off = beside
                 outcome.after.to_yaml(model)
-                draw(outcome, picture)
+                draw_fit(outcome, picture)
                 for file in trade_off:
                     draw_trade_off(outcome, file)
                 names = {title: path.name for title, path in self.pictures.items()}
-                report.write_text(markdown(outcome, names), encoding='utf-8')
+                report.write_text(report_text(outcome, names), encoding='utf-8')
                 for file, path in zip(beside, self.results, strict=True):
                     os.replace(file, path)
         except OSError as error:
-            raise ValueError(f'{self.model}: not written: {error.strerror or error}') from None
+            raise LinkedPlaneError(
+                f'{self.model}: not written: {error.strerror or error}'
+            ) from None

@@ -1,4 +1,4 @@
-"""The way down from the swarm's best place: least squares on the criterion's residuals."""
+"""From the swarm's best particle downhill: least squares on the criterion's residuals."""
 
 from __future__ import annotations
 
@@ -7,27 +7,37 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from ..errors import LinkedPlaneError
 from ..types import Floats
 from .swarm import INSTALL
 
 Residuals = Callable[[Floats], 'Floats | float']
 
-STEP = 1e-6  # of the unit box: a derivative by differences is then good to some 1e-6 of itself
-WALL = 1e4  # mm: each residual of a muscle that has no path
+STEP = 1e-6  # of the unit box: derivatives by differences then have a relative error of some 1e-6
+WALL = 1e4  # mm: each residual of a muscle without a path
 
 
-def polished(
+def polish(
     residuals: Residuals, start: Floats, evaluations: int, pool: ThreadPoolExecutor | None = None
 ) -> Floats:
-    """Return a place (p,) in the unit box where the sum of squares is not greater than at start.
+    """Return x (p,) in the unit box where the sum of squares is not greater than at the start.
 
-    `residuals` gives a float where there are none. The trust region of SciPy's `least_squares`
-    keeps to the box; `evaluations` bounds its steps, each with p more for the derivatives.
+    Parameters
+    ----------
+    residuals
+        Gives the residuals at x, mm; a float where there are none.
+    start
+        (p,) in the unit box.
+    evaluations
+        The most steps of SciPy's `least_squares`, each with p evaluations more for derivatives.
+    pool
+        Threads for the derivatives; the result is the same.
+
     """
     try:
         from scipy.optimize import least_squares  # type: ignore[import-untyped, unused-ignore]
     except ImportError:
-        raise ValueError(INSTALL) from None
+        raise LinkedPlaneError(INSTALL) from None
     inside = np.clip(start, STEP, 1.0 - STEP)
     here = residuals(inside)
     if isinstance(here, float):

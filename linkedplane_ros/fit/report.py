@@ -1,4 +1,4 @@
-"""What a fit has done, for people: Markdown with residuals, interference and bounds, in mm."""
+"""What a fit has done, as Markdown: residuals, interference and bounds, in mm."""
 
 from __future__ import annotations
 
@@ -9,25 +9,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..drawing.markdown import markdown_table
+from ..errors import LinkedPlaneError
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats
 from .criterion import MM, Criterion, States
 from .data import Data
-from .over_range import OverRange
+from .survey import Survey
 
 AT_BOUND = 1e-3  # of the way between the bounds
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The best model while bands were let so deep into the interference spheres."""
+    """The best model of a stage of a fit."""
 
     allowed: float
-    """m"""
-    found: Floats
-    """(p,) the parameters"""
-    over: OverRange
+    """m, how deep bands were let into the interference spheres."""
+    best: Floats
+    """(p,) its parameters, in the file's units."""
+    survey: Survey
+    """Of its range of motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,43 +37,46 @@ class Outcome:
     """A fit that is done."""
 
     command: str
-    """How to do it again."""
+    """The command line that repeats it."""
     data: Data
     criterion: Criterion
-    """As it was given: without poses that the fit has added."""
+    """As it was given to the fit, which may have added poses."""
     before: BroadMuscle
     after: BroadMuscle
     start: Floats
-    """(p,) the parameters before"""
-    over_before: OverRange
-    """The range of motion before."""
+    """(p,) the parameters before."""
+    survey_before: Survey
+    """Of the range of motion before."""
     stages: tuple[Stage, ...]
-    """What the fit went through, bands let into the spheres less and less; the last is its end."""
+    """In each, bands were let less deep into the spheres than in the one before; the last one is
+    the end of the fit."""
 
     @property
     def title(self) -> str:
-        """What report and pictures are called."""
+        """The title of the report and of the pictures."""
         return f'Fit of {self.after.name}'
 
     @property
-    def found(self) -> Floats:
+    def end(self) -> Floats:
         """(p,) the parameters after."""
-        return self.stages[-1].found
+        return self.stages[-1].best
 
     @property
-    def over(self) -> tuple[OverRange, OverRange]:
-        """The range of motion before and after."""
-        return self.over_before, self.stages[-1].over
+    def surveys(self) -> tuple[Survey, Survey]:
+        """Of the range of motion before and after."""
+        return self.survey_before, self.stages[-1].survey
 
     def states(self, x: Floats) -> States:
-        """Return the muscle at the criterion's poses."""
+        """Return the muscle at the criterion's poses; LinkedPlaneError if it has no path."""
         states = self.criterion.states(x)
         if isinstance(states, float):
-            raise ValueError(f'{self.before.name}: a band has no path: an end lies in its sphere')
+            raise LinkedPlaneError(
+                f'{self.before.name}: a band has no path: an end lies in its sphere'
+            )
         return states
 
     def deviations(self, x: Floats) -> dict[str, list[tuple[str, str, float, float]]]:
-        """Return for 'length' and 'moment arm' of each row: part, motion, angle and mm off."""
+        """Return of each measured 'length' and 'moment arm': part, motion, rad, mm off."""
         rows = self.data.measurements
         found = self.criterion.deviations(self.states(x))
         kinds: dict[str, list[tuple[str, str, float, float]]] = {}
@@ -86,9 +91,9 @@ class Outcome:
         return kinds
 
 
-def markdown(outcome: Outcome, pictures: Mapping[str, str]) -> str:
-    """Return the report; `pictures` has the pictures' titles and the names of their files."""
-    lines = [f'# {outcome.title}', '', *_what(outcome), '']
+def report_text(outcome: Outcome, pictures: Mapping[str, str]) -> str:
+    """Return the report; `pictures` has the names of the pictures' files by their titles."""
+    lines = [f'# {outcome.title}', '', *_summary(outcome), '']
     lines += ['## Residuals', '', *_residuals(outcome), '']
     lines += ['## Interference and order', '', *_interference(outcome), '']
     if len(outcome.stages) > 1:
@@ -98,9 +103,9 @@ def markdown(outcome: Outcome, pictures: Mapping[str, str]) -> str:
     return '\n'.join(lines)
 
 
-def _what(outcome: Outcome) -> Iterator[str]:
+def _summary(outcome: Outcome) -> Iterator[str]:
     one, weights = outcome.criterion, outcome.criterion.weights
-    values = [one.value(x) for x in (outcome.start, outcome.found)]
+    values = [one.value(x) for x in (outcome.start, outcome.end)]
     yield f'`{outcome.command}`'
     yield ''
     yield f'* Started from: {outcome.before.name} ({outcome.before.source})'
@@ -123,7 +128,7 @@ def _what(outcome: Outcome) -> Iterator[str]:
 
 
 def _residuals(outcome: Outcome) -> Iterator[str]:
-    before, after = outcome.deviations(outcome.start), outcome.deviations(outcome.found)
+    before, after = outcome.deviations(outcome.start), outcome.deviations(outcome.end)
     for kind in before:
         if not before[kind]:
             continue
@@ -158,7 +163,7 @@ def _residual_row(
 
 
 def _interference(outcome: Outcome) -> Iterator[str]:
-    muscle, (_, after) = outcome.after, outcome.over
+    muscle, (_, after) = outcome.after, outcome.surveys
     yield markdown_table(('', 'before', 'after'), _interference_rows(outcome), 'lrr')
     yield ''
     ranges = ', '.join(
@@ -182,42 +187,42 @@ def _interference(outcome: Outcome) -> Iterator[str]:
 
 def _interference_rows(outcome: Outcome) -> Iterator[tuple[str, ...]]:
     """Yield what is counted, before and after."""
-    muscle, over, measured = outcome.after, outcome.over, outcome.criterion.measured
+    muscle, surveys, measured = outcome.after, outcome.surveys, outcome.criterion.measured
     spheres = len(muscle.interference_names)
     yield 'poses with measurements', str(measured), str(measured)
     if spheres:
-        depths = (outcome.states(x).depths[:measured] for x in (outcome.start, outcome.found))
+        depths = (outcome.states(x).depths[:measured] for x in (outcome.start, outcome.end))
         yield '... bands and poses that enter a sphere', *map(_entered, depths)
-    yield 'poses over the range of motion', *(str(len(each.angles)) for each in over)
+    yield 'poses over the range of motion', *(str(len(each.angles)) for each in surveys)
     if spheres:
-        entries = (_entered(each.depths) for each in over)
+        entries = (_entered(each.depths) for each in surveys)
         yield '... bands and poses that enter a sphere', *entries
     if len(muscle.band_names) > 1:
-        behind = (f'{each.disordered}, least gap {MM * each.gaps.min():.1f} mm' for each in over)
+        behind = (f'{each.disordered}, least gap {MM * each.gaps.min():.1f} mm' for each in surveys)
         yield '... bands not behind the one before', *behind
         parted = (
             f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max():.1f} mm'
-            for each in over
+            for each in surveys
         )
         yield '... bands farther from the one before than at their origins', *parted
-    yield '... bands without a path', *(str(each.inside) for each in over)
-    yield '... largest jump of a length, mm', *(f'{MM * each.jump:.2f}' for each in over)
+    yield '... bands without a path', *(str(each.inside) for each in surveys)
+    yield '... largest jump of a length, mm', *(f'{MM * each.jump:.2f}' for each in surveys)
 
 
-def mean(rows: Sequence[tuple[str, str, float, float]]) -> float:
-    """Return the mean size of deviations, mm."""
+def mean_deviation(rows: Sequence[tuple[str, str, float, float]]) -> float:
+    """Return the mean of the deviations' sizes, mm."""
     return float(np.abs([off for _, _, _, off in rows]).mean())
 
 
 def _trade_off(outcome: Outcome) -> Iterator[str]:
     yield 'The best model while bands were let so deep into the spheres, over the range of motion:'
     yield ''
-    kinds = [kind for kind, rows in outcome.deviations(outcome.found).items() if rows]
+    kinds = [kind for kind, rows in outcome.deviations(outcome.end).items() if rows]
     rows = []
     for stage in outcome.stages:
-        off = outcome.deviations(stage.found)
-        means = (f'{mean(off[kind]):.2f}' for kind in kinds)
-        entered, deepest = _entered(stage.over.depths).split(',')[0], stage.over.depths.max()
+        off = outcome.deviations(stage.best)
+        means = (f'{mean_deviation(off[kind]):.2f}' for kind in kinds)
+        entered, deepest = _entered(stage.survey.depths).split(',')[0], stage.survey.depths.max()
         rows.append((f'{MM * stage.allowed:g}', *means, entered, f'{MM * deepest:.1f}'))
     means = (f'mean {kind}, mm' for kind in kinds)
     columns = ('let in, mm', *means, 'bands and poses that enter', 'deepest, mm')
@@ -231,7 +236,7 @@ def _entered(depths: Floats) -> str:
 
 def _parameters(outcome: Outcome) -> Iterator[str]:
     space = outcome.criterion.space
-    bound = at_bounds(outcome.criterion, outcome.found)
+    bound = names_at_bounds(outcome.criterion, outcome.end)
     yield (
         f'{len(bound)} of {len(space.parameters)} at a bound'
         + (f': {", ".join(bound)}.' if bound else '.')
@@ -246,17 +251,17 @@ def _parameters(outcome: Outcome) -> Iterator[str]:
             f'{parameter.low:.4g}',
             f'{parameter.high:.4g}',
         )
-        for parameter, value in zip(space.parameters, outcome.found.tolist(), strict=True)
+        for parameter, value in zip(space.parameters, outcome.end.tolist(), strict=True)
     ]
     yield markdown_table(('parameter', 'start', 'found', 'from', 'to'), rows, 'lrrrr')
 
 
-def at_bounds(criterion: Criterion, x: Floats) -> list[str]:
-    """Return the names of the parameters that stand at a bound."""
+def names_at_bounds(criterion: Criterion, x: Floats) -> list[str]:
+    """Return the names of the parameters whose values x (p,) are at a bound."""
     low, high = criterion.space.low, criterion.space.high
     near = np.minimum(x - low, high - x) < AT_BOUND * (high - low)
     return [
         parameter.name
-        for parameter, at in zip(criterion.space.parameters, near.tolist(), strict=True)
-        if at
+        for parameter, is_near in zip(criterion.space.parameters, near.tolist(), strict=True)
+        if is_near
     ]

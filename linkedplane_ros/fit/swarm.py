@@ -1,7 +1,7 @@
-"""A particle swarm in the unit box, by pymoo, whose whole state can be written down.
+"""A particle swarm in the unit box, by pymoo, whose whole state can be saved.
 
-pymoo's PSO keeps its own generator of random numbers: with the state below restored, the swarm goes
-on to the bit as if it had never been stopped.
+pymoo's PSO has its own generator of random numbers: with the state below restored, the swarm
+continues to the bit as if it had never been stopped.
 """
 
 from __future__ import annotations
@@ -12,24 +12,25 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import LinkedPlaneError
 from ..types import Floats
 
 INSTALL = "a fit needs pymoo, SciPy and matplotlib: pip install 'linkedplane_ros[tools]'"
 ADAPTED = ('w', 'c1', 'c2')  # the swarm's inertia and pulls, which it changes as it goes
 
 
-def needed() -> None:
-    """ValueError where a library is missing that a fit needs, before it has searched for long."""
+def require_libraries() -> None:
+    """Refuse to fit without the libraries that it needs; LinkedPlaneError says how to get them."""
     if not all(map(find_spec, ('matplotlib', 'pymoo', 'scipy'))):
-        raise ValueError(INSTALL)
+        raise LinkedPlaneError(INSTALL)
 
 
 class Swarm:
     """Particles that look for the least value of a function of p numbers from 0 to 1."""
 
     def __init__(self, first: Floats, seed: int) -> None:
-        """Begin with the particles (k, p), k at least 2."""
-        needed()
+        """Start with the particles (k, p), k at least 2."""
+        require_libraries()
         with warnings.catch_warnings():
             warnings.simplefilter('ignore')  # of its own imports
             from pymoo.algorithms.soo.nonconvex.pso import PSO
@@ -44,23 +45,23 @@ class Swarm:
         self.algorithm.setup(self.problem, termination=NoTermination())
         self._asked: Any = None
 
-    def ask(self) -> Floats:
-        """Return where the particles are now, (k, p)."""
+    def next_particles(self) -> Floats:
+        """Return the particles of the next generation, (k, p)."""
         self._asked = self.algorithm.ask()
         return np.array(self._asked.get('X'), dtype=np.float64)
 
-    def tell(self, values: Floats) -> None:
-        """Take the function's values (k,) there; the particles move on."""
+    def take_values(self, values: Floats) -> None:
+        """Take the function's values (k,) at these particles; they move on."""
         self.algorithm.tell(infills=self._valued(self._asked, values))
 
     @property
-    def best(self) -> tuple[Floats, float]:
-        """The best place (p,) so far, and the value there."""
+    def best_particle(self) -> tuple[Floats, float]:
+        """The best particle (p,) so far, and the value there."""
         best = self.algorithm.opt[0]
         return np.array(best.X, dtype=np.float64), float(best.F[0])
 
     def state(self) -> dict[str, Any]:
-        """Return all that the swarm will need to go on, as JSON can hold it."""
+        """Return all that the swarm needs to continue, in types that JSON has."""
         one = self.algorithm
         return {
             'particles': one.particles.get('X').tolist(),
@@ -73,7 +74,7 @@ class Swarm:
         }
 
     @classmethod
-    def resumed(cls, state: dict[str, Any]) -> Swarm:
+    def from_state(cls, state: dict[str, Any]) -> Swarm:
         """Return the swarm that had this state."""
         from pymoo.core.population import Population
         from pymoo.util.optimum import filter_optimum
@@ -100,8 +101,8 @@ class Swarm:
         return Evaluator().eval(static, particles)
 
 
-def scattered(start: Floats, count: int, width: float, seed: tuple[int, ...]) -> Floats:
-    """Return particles (count, p): the start, and others at random, up to `width` about it."""
+def scatter_particles(start: Floats, count: int, width: float, seed: tuple[int, ...]) -> Floats:
+    """Return particles (count, p): the start (p,), and others at random up to `width` from it."""
     random = np.random.default_rng(seed)
     low, high = np.maximum(start - width, 0.0), np.minimum(start + width, 1.0)
     particles = low + (high - low) * random.random((count, len(start)))

@@ -10,7 +10,7 @@ import numpy as np
 from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.fit.data import Data, Measurement, band_of
+from linkedplane_ros.fit.data import Data, Measurement, find_band
 from linkedplane_ros.solver.interference import depths
 from linkedplane_ros.solver.states import MuscleStates
 
@@ -44,7 +44,7 @@ def simulated(
             rotation, axis = Measurement('', 0, motion, (angle,), 0.0, 0.0).pose()
             state = solver.solve(rotation)
             for part in parts:
-                band = band_of(muscle, part, 0)
+                band = find_band(muscle, part, 0)
                 length = float(state.lengths[band]) + off * rng.uniform(-1.0, 1.0)
                 arm = float(state.moment_vectors[band] @ axis) + off * rng.uniform(-1.0, 1.0)
                 weight = 1.0 if off == 0.0 else float(rng.uniform(0.5, 2.0))

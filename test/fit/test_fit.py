@@ -15,10 +15,10 @@ from random_muscles import random_poses
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.fit.checkpoint import Checkpoint
 from linkedplane_ros.fit.criterion import Criterion, States, Weights
-from linkedplane_ros.fit.fitting import Plan, Progress, Search, fingerprint, fit
-from linkedplane_ros.fit.parameters import Bound, space
-from linkedplane_ros.fit.polish import polished
-from linkedplane_ros.fit.swarm import Swarm, scattered
+from linkedplane_ros.fit.fitting import Plan, Progress, Search, fit, fit_fingerprint
+from linkedplane_ros.fit.parameters import Bound, build_space
+from linkedplane_ros.fit.polish import polish
+from linkedplane_ros.fit.swarm import Swarm, scatter_particles
 
 pytestmark = requires('pymoo')
 DELTOID = BroadMuscle.load('deltoid')
@@ -29,15 +29,19 @@ FREE = ['sphere.radius', 'plane_angle', 'humeral_point']
 
 def recovery(start: BroadMuscle, parts: tuple[str, ...] = HEADS) -> Criterion:
     """Return the criterion for what the deltoid has simulated, over all 26 parameters."""
-    parameters = space(start.definition)
-    return Criterion.of(start, parameters, simulated(DELTOID, parts), Weights(interference=0.0))
+    parameters = build_space(start.definition)
+    return Criterion.from_data(
+        start, parameters, simulated(DELTOID, parts), Weights(interference=0.0)
+    )
 
 
 def quick(weights: Weights | None = None) -> Criterion:
     """Return a criterion that 10 % of the way off is quickly searched: 3 heads, 26 poses."""
     start = ten_percent_off(0)
     weights = weights or Weights(interference=0.0)
-    return Criterion.of(start, space(start.definition, FREE), simulated(DELTOID), weights)
+    return Criterion.from_data(
+        start, build_space(start.definition, FREE), simulated(DELTOID), weights
+    )
 
 
 def states_of(
@@ -46,10 +50,10 @@ def states_of(
     """Return the answer, its criterion, and the states of the search, as a file would hold them."""
     states: list[dict[str, Any]] = []
 
-    def tell(_: Progress, search: Search) -> None:
+    def follow(_: Progress, search: Search) -> None:
         states.append(json.loads(json.dumps(search.state())))
 
-    found = fit(criterion, plan, watch, tell=tell)
+    found = fit(criterion, plan, watch, follow=follow)
     return found.best, found.value, states
 
 
@@ -121,7 +125,7 @@ def test_poses_that_are_watched_count_once_the_muscle_fails_there() -> None:
     assert len(set(added)) == len(added) > 0
     # they are those with the worst faults, of the muscle that was best then
     found = fit(quick(weights), short, watch)
-    counted = quick(weights).also_at(watch[added]).value(found.best)
+    counted = quick(weights).with_poses(watch[added]).value(found.best)
     assert counted == pytest.approx(found.value, rel=1e-12)
     assert quick(weights).value(found.best) < found.value
 
@@ -142,9 +146,11 @@ def test_bands_are_let_into_the_spheres_less_and_less() -> None:
 
 def test_the_answer_keeps_to_the_bounds() -> None:
     start = ten_percent_off(0)
-    bounds = [Bound.of('sphere.radius=+-1')]
-    parameters = space(start.definition, ['sphere.radius'], bounds)
-    criterion = Criterion.of(start, parameters, simulated(DELTOID), Weights(interference=0.0))
+    bounds = [Bound.from_text('sphere.radius=+-1')]
+    parameters = build_space(start.definition, ['sphere.radius'], bounds)
+    criterion = Criterion.from_data(
+        start, parameters, simulated(DELTOID), Weights(interference=0.0)
+    )
     x = fit(criterion, QUICK).best
     assert (parameters.low <= x).all()
     assert (x <= parameters.high).all()
@@ -158,8 +164,8 @@ def test_a_polish_never_ends_worse_than_it_began() -> None:
     def residuals(unit: Any) -> Any:
         return criterion.residuals(low + room * unit)
 
-    for start in scattered(np.full(len(low), 0.5), 4, 0.3, (1,)):
-        end = polished(residuals, start, 5)
+    for start in scatter_particles(np.full(len(low), 0.5), 4, 0.3, (1,)):
+        end = polish(residuals, start, 5)
         before, after = residuals(start), residuals(end)
         if isinstance(before, float):
             np.testing.assert_array_equal(end, start)
@@ -171,23 +177,23 @@ def test_a_swarm_is_its_state() -> None:
     def valley(places: Any) -> Any:
         return ((places - 0.3) ** 2).sum(axis=1)
 
-    swarm = Swarm(scattered(np.full(4, 0.9), 6, 1.0, (0,)), seed=1)
+    swarm = Swarm(scatter_particles(np.full(4, 0.9), 6, 1.0, (0,)), seed=1)
     for _ in range(3):
-        swarm.tell(valley(swarm.ask()))
-    other = Swarm.resumed(json.loads(json.dumps(swarm.state())))
+        swarm.take_values(valley(swarm.next_particles()))
+    other = Swarm.from_state(json.loads(json.dumps(swarm.state())))
     for _ in range(5):
-        asked = swarm.ask(), other.ask()
+        asked = swarm.next_particles(), other.next_particles()
         np.testing.assert_array_equal(*asked)
         for one, places in zip((swarm, other), asked, strict=True):
-            one.tell(valley(places))
-    assert swarm.best[1] == other.best[1]
+            one.take_values(valley(places))
+    assert swarm.best_particle[1] == other.best_particle[1]
 
 
 # Checkpoints
 
 
 def checkpoint(path: Any, plan: Plan = QUICK) -> Checkpoint:
-    return Checkpoint(path, fingerprint(quick(), plan))
+    return Checkpoint(path, fit_fingerprint(quick(), plan))
 
 
 def test_a_checkpoint_gives_the_state_back_to_the_bit(tmp_path: Any) -> None:
@@ -210,7 +216,7 @@ def test_a_checkpoint_of_another_fit_is_refused(tmp_path: Any) -> None:
 def test_what_is_no_checkpoint_is_told_in_one_line(tmp_path: Any, text: str) -> None:
     file = tmp_path / 'a.checkpoint'
     file.write_text(text)
-    with pytest.raises(ValueError, match=r'^\S+a\.checkpoint: no checkpoint of a fit$'):
+    with pytest.raises(ValueError, match=r'^\S+a\.checkpoint: not a checkpoint of a fit$'):
         checkpoint(file).read()
 
 

@@ -65,7 +65,7 @@ def test_a_fit_that_was_interrupted_is_taken_up(
     _, err = stopped.communicate(timeout=60)
     assert stopped.returncode == 130, err
     assert err == f'linkedplane: stopped; {checkpoint} is there for --resume\n'
-    assert '--resume goes on, --force begins anew' in command_fault(capsys, *task, *options)
+    assert '--resume continues it, --force starts again' in command_fault(capsys, *task, *options)
     command_output(capsys, *task, *options, '--resume', '--jobs', '2')
     assert (tmp_path / 'fitted.yaml').read_text() == straight.read_text()
     assert not checkpoint.exists()
@@ -74,10 +74,13 @@ def test_a_fit_that_was_interrupted_is_taken_up(
 @pytest.mark.parametrize(
     ('more', 'said_of_it'),
     [
-        (['--free', 'sphere.rad'], "free: 'sphere.rad' is nothing of deltoid; it has"),
+        (['--free', 'sphere.rad'], "free: 'sphere.rad' matches nothing of deltoid; it has"),
         (['--bound', 'sphere.radius'], "bound 'sphere.radius': PATTERN=LOW:HIGH"),
-        (['--bound', 'origin=+-1'], "bound: 'origin' is none of what is free"),
-        (['--tighten', '2', '4'], 'tighten: 2 4, then clearance 0; ever smaller depths expected'),
+        (['--bound', 'origin=+-1'], "bound: 'origin' matches nothing that is free"),
+        (
+            ['--tighten', '2', '4'],
+            'tighten: 2 4, then clearance 0; each smaller than',
+        ),
         (['--resume'], 'fitted.checkpoint: cannot be read: No such file'),
     ],
 )
@@ -130,7 +133,7 @@ def test_nothing_is_replaced_unasked(
     tmp_path: Path, task: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / 'fitted.yaml').write_text('mine')
-    assert 'fitted.yaml: is there already; --force replaces it' in command_fault(capsys, *task)
+    assert 'fitted.yaml: exists already; --force replaces it' in command_fault(capsys, *task)
     assert (tmp_path / 'fitted.yaml').read_text() == 'mine'
     assert 'ends in .yaml' in command_fault(capsys, *task[:-1], tmp_path / 'fitted.txt')
 

@@ -14,9 +14,10 @@ from random_muscles import random_poses
 from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights, grid
+from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights, pose_grid
 from linkedplane_ros.fit.data import Data, Measurement
-from linkedplane_ros.fit.parameters import Space, space
+from linkedplane_ros.fit.parameters import build_space
+from linkedplane_ros.fit.space import Space
 from linkedplane_ros.solver.states import MuscleState
 
 DELTOID = BroadMuscle.load('deltoid')
@@ -41,8 +42,8 @@ def laid_out(state: MuscleState) -> list[Array]:
 def criterion_of(
     data: Data, weights: Weights, more: Array | None = None
 ) -> tuple[Criterion, Space]:
-    parameters = space(DELTOID.definition)
-    return Criterion.of(DELTOID, parameters, data, weights, more), parameters
+    parameters = build_space(DELTOID.definition)
+    return Criterion.from_data(DELTOID, parameters, data, weights, more), parameters
 
 
 def in_words(muscle: BroadMuscle, data: Data, weights: Weights, more: Array) -> float:
@@ -92,8 +93,8 @@ def past_edges(state: MuscleState) -> Array:
     solver, n, found = state.solver, state.solver.muscle.reference_normal, []
     muscle = solver.muscle
     angles = (state.theta, *muscle.plane_angles[1:])
-    posed = zip(solver.origins, state.insertions, state.sphere_centres, strict=True)
-    for (P, S, C), R, phi in zip(posed, muscle.sphere_radii, angles, strict=True):
+    evaluate_poses = zip(solver.origins, state.insertions, state.sphere_centres, strict=True)
+    for (P, S, C), R, phi in zip(evaluate_poses, muscle.sphere_radii, angles, strict=True):
         D = np.linalg.norm(S - P)
         u = (S - P) / D
         m = n - (n @ u) * u
@@ -169,7 +170,7 @@ def test_a_muscle_without_paths_is_worse_the_farther_it_is_from_having_one() -> 
 
 
 def test_the_grid_has_the_ends_of_the_ranges_and_no_longer_steps() -> None:
-    angles, rotations = grid([(-0.7, 2.1), (0.0, 2.1), (0.2, 0.2)], (0.5, 2.1, 1.0))
+    angles, rotations = pose_grid([(-0.7, 2.1), (0.0, 2.1), (0.2, 0.2)], (0.5, 2.1, 1.0))
     flexion, abduction, rotation = (sorted(set(column)) for column in angles.T.tolist())
     assert (flexion[0], flexion[-1], len(flexion)) == (-0.7, 2.1, 7)
     assert abduction == [0.0, 2.1]
@@ -179,9 +180,9 @@ def test_the_grid_has_the_ends_of_the_ranges_and_no_longer_steps() -> None:
 
 def test_a_band_that_turns_over_the_one_before_it_is_out_of_order() -> None:
     for muscle, side in ((DELTOID, 1.0), (numbered_backwards(), -1.0)):
-        parameters = space(muscle.definition, ['sphere.radius'])
+        parameters = build_space(muscle.definition, ['sphere.radius'])
         one = Measurement('', 0, 'flexion', (0.0,), 0.15, 0.0)
-        criterion = Criterion.of(muscle, parameters, Data(Path('x'), (one,), 1.0, None))
+        criterion = Criterion.from_data(muscle, parameters, Data(Path('x'), (one,), 1.0, None))
         assert criterion.side == side  # as the bands of the model that is fitted are numbered
         for of, sign in ((criterion, 1.0), (replace(criterion, side=-side), -1.0)):
             states = of.states(parameters.start)

@@ -10,7 +10,7 @@ import pytest
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.fit.data import Data, read
+from linkedplane_ros.fit.data import Data, read_data
 
 DELTOID = BroadMuscle.load('deltoid')
 ACKLAND = Path(__file__).parents[3] / 'shared/literature/ackland2008_deltoid_moment_arms.csv'
@@ -21,7 +21,7 @@ ROUNDING = 1e-15
 def data(folder: Path, text: str, **options: object) -> Data:
     path = folder / 'data.csv'
     path.write_text(text, encoding='utf-8')
-    return read(path, DELTOID, **options)  # type: ignore[arg-type]
+    return read_data(path, DELTOID, **options)  # type: ignore[arg-type]
 
 
 def fault(folder: Path, text: str, **options: object) -> str:
@@ -81,7 +81,7 @@ def test_a_curve_is_taken_at_the_steps_within_it_after_its_angles_are_scaled(
 def test_the_measurements_of_the_literature_are_read_as_they_are() -> None:
     if not ACKLAND.is_file():
         pytest.skip(f'{ACKLAND} is not here')
-    found = read(ACKLAND, DELTOID, step=math.radians(10.0))
+    found = read_data(ACKLAND, DELTOID, step=math.radians(10.0))
     assert len(found.measurements) == 66  # 3 heads, 2 motions, 10 to 110 deg
     assert {row.motion for row in found.measurements} == {'flexion', 'abduction'}
 
@@ -94,7 +94,7 @@ def test_the_measurements_of_the_literature_are_read_as_they_are() -> None:
         ('motion,angle_deg,band\n', ':1: a column length_mm or moment_arm_mm expected'),
         ('motion,angle,band,length_mm\n', ':1: one column angle_deg or angle_rad expected'),
         ('motion,angle_deg,length_mm\n', ":1: 0 columns are named 'band'; one expected"),
-        ('motion,angle_deg,band,length_mm,lenght_mm\n', ":1: column 'lenght_mm' means nothing"),
+        ('motion,angle_deg,band,length_mm,lenght_mm\n', ":1: unknown column 'lenght_mm'"),
         (BY_MOTION, ':1: no rows of measurements after the names'),
         (BY_MOTION + 'yaw,1,middle,150,,1\n', ":2: column 'motion': 'yaw'; one of flexion,"),
         ('# Source\n' + BY_MOTION + 'flexion,1,\n', ':3: 3 cells; 6 expected'),
@@ -105,7 +105,7 @@ def test_the_measurements_of_the_literature_are_read_as_they_are() -> None:
         (BY_MOTION + 'flexion,1,middle,,,1\n', ':2: neither a length nor a moment arm'),
         (BY_MOTION + 'flexion,1,middle,0.15,,1,2\n', ':2: 7 cells; 6 expected'),
         (BY_MOTION + 'flexion,1,middle,-150,,1\n', ':2: a length of -0.15 m; above 0 expected'),
-        (BY_MOTION + 'flexion,500,middle,150,,1\n', ':2: an angle beyond a full turn'),
+        (BY_MOTION + 'flexion,500,middle,150,,1\n', ':2: an angle of more than a full turn'),
         (
             'motion,angle_deg,band,length_m\nflexion,1,middle,150\n',
             ':2: a length of 150 m; in mm, or in m?',
@@ -140,7 +140,7 @@ def test_lengths_and_moment_arms_are_each_stepped_between_their_own_rows(tmp_pat
 def test_of_two_rows_at_an_angle_no_curve_is_made(tmp_path: Path) -> None:
     text = BY_MOTION + 'flexion,0,middle,,20,1\nflexion,20,middle,,24,1\nflexion,0,middle,,40,1\n'
     assert len(data(tmp_path, text).measurements) == 3
-    said = ': flexion, middle: two rows at 0 deg; a curve, to be taken at steps, has one'
+    said = ': flexion, middle: two rows at 0 deg, one expected of a curve that is taken at steps'
     assert fault(tmp_path, text, step=math.radians(10.0)) == said
 
 

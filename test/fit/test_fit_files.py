@@ -16,7 +16,7 @@ from fits import QUICK_OPTIONS, simulated, write_data
 from optional import requires
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.fit.data import read
+from linkedplane_ros.fit.data import read_data
 
 pytestmark = requires('pymoo', 'matplotlib')
 
@@ -28,7 +28,7 @@ def deviations(model: Path, data: Path) -> dict[tuple[str, str], list[tuple[floa
     """Return of each part and motion the angles, deg, and how far moment arms are off, mm."""
     muscle = BroadMuscle.load(model)
     solver, found = LinkedPlaneSolver(muscle), {}
-    for row in read(data, muscle).measurements:
+    for row in read_data(data, muscle).measurements:
         rotation, axis = row.pose()
         arm = solver.solve(rotation).moment_vectors[row.band] @ axis
         of = found.setdefault((row.part, row.motion), [])
@@ -122,7 +122,7 @@ def test_nothing_that_is_there_is_replaced_unasked(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / name).write_text('mine')
-    assert f'{name}: is there already; --force replaces it' in command_fault(capsys, *task)
+    assert f'{name}: exists already; --force replaces it' in command_fault(capsys, *task)
     assert (tmp_path / name).read_text() == 'mine'
 
 
@@ -142,7 +142,7 @@ def test_a_place_that_cannot_be_written_to_is_told_before_the_search(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (tmp_path / 'fitted.md').mkdir()
-    assert 'fitted.md: a folder; a file is to be written there' in command_fault(capsys, *task)
+    assert 'fitted.md: is a folder; the name of a file expected' in command_fault(capsys, *task)
     nowhere = tmp_path / 'nowhere' / 'fitted.yaml'
     assert 'fitted.yaml: no folder ' in command_fault(capsys, *task[:3], nowhere)
 

@@ -17,7 +17,7 @@ from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
 from linkedplane_ros.commands import fit
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.fit.criterion import Criterion
-from linkedplane_ros.fit.data import read
+from linkedplane_ros.fit.data import read_data
 from linkedplane_ros.fit.fitting import Plan
 
 pytestmark = requires('pymoo')
@@ -39,7 +39,7 @@ def stated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Sta
             caught.extend(given)
             raise KeyboardInterrupt
 
-        monkeypatch.setattr(fit, '_searched', searched)
+        monkeypatch.setattr(fit, '_search', searched)
         task = ['fit', 'deltoid', str(measured), str(tmp_path / 'out.yaml'), *options]
         assert main(task) == 130
         criterion, plan, watch, jobs, _, _ = caught
@@ -117,6 +117,6 @@ def test_the_tables_of_the_document_are_read(tmp_path: Path) -> None:
     (text,) = re.findall(r'^```csv\n(.*?)^```', DOCUMENT, re.DOTALL | re.MULTILINE)
     path = tmp_path / 'data.csv'
     path.write_text(text)
-    found = read(path, DELTOID)
+    found = read_data(path, DELTOID)
     assert [round(math.degrees(row.angle)) for row in found.measurements] == [0, 30, 30]
     assert math.isnan(found.measurements[2].length)

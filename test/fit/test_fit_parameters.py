@@ -9,7 +9,9 @@ import pytest
 from reference import Array
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.fit.parameters import Bound, Space, chosen, flat_numbers, places, space
+from linkedplane_ros.fit.parameters import Bound, build_space
+from linkedplane_ros.fit.places import choose_places, free_numbers
+from linkedplane_ros.fit.space import Space, pack_definition
 from linkedplane_ros.muscle.definition import Definition
 from linkedplane_ros.muscle.parts import Head
 
@@ -42,10 +44,12 @@ def test_the_kernels_muscle_is_that_of_the_written_coefficients(
 ) -> None:
     if definition is LISTED:
         free = [pattern.split('[')[0].removesuffix('.y').removesuffix('.x') for pattern in free]
-    found = space(definition, free)
+    found = build_space(definition, free)
     x = somewhere(found)
     model = rebuilt(definition, found, x)
-    np.testing.assert_allclose(found.muscle(x), flat_numbers(model), rtol=0.0, atol=ROUNDING)
+    np.testing.assert_allclose(
+        found.flat_muscle(x), pack_definition(model), rtol=0.0, atol=ROUNDING
+    )
     same = rebuilt(definition, found, found.start)
     for place, value in BroadMuscle.from_definition(same).coefficients.items():
         expected = BroadMuscle.from_definition(definition).coefficients[place]
@@ -55,28 +59,28 @@ def test_the_kernels_muscle_is_that_of_the_written_coefficients(
 def test_every_place_is_one_of_the_models_coefficients() -> None:
     for definition in (DELTOID, LISTED):
         known = BroadMuscle.from_definition(definition).coefficients
-        mine = set(places(definition)) - {'humeral_point'}
+        mine = set(free_numbers(definition)) - {'humeral_point'}
         hm = {f'sphere.humeral_point[{axis}]' for axis in range(3)}
         assert mine | hm == set(known)
 
 
 def test_the_thesis_fits_26_numbers() -> None:
-    found = space(DELTOID)
+    found = build_space(DELTOID)
     assert len(found.parameters) == 26
     assert found.parameters[-1].start == pytest.approx(29.63)  # mm, HM (ch. 5)
 
 
 def test_a_pattern_is_a_place_or_its_beginning() -> None:
-    assert chosen(DELTOID, ['sphere.radius']) == [f'sphere.radius[{k}]' for k in range(5)]
-    assert chosen(DELTOID, ['sphere.radius[1]', '*.z[0]']) == [
+    assert choose_places(DELTOID, ['sphere.radius']) == [f'sphere.radius[{k}]' for k in range(5)]
+    assert choose_places(DELTOID, ['sphere.radius[1]', '*.z[0]']) == [
         'origin.z[0]', 'insertion.z[0]', 'sphere.centre.z[0]', 'sphere.radius[1]',
     ]  # fmt: skip
-    with pytest.raises(ValueError, match=r"free: 'sphere.rad' is nothing of deltoid; it has orig"):
-        chosen(DELTOID, ['sphere.rad'])
+    with pytest.raises(ValueError, match=r"free: 'sphere.rad' matches nothing of deltoid; it has "):
+        choose_places(DELTOID, ['sphere.rad'])
 
 
 def test_a_whole_curve_is_sought_by_its_values_along_s() -> None:
-    found = space(DELTOID, ['sphere.radius'], [Bound.of('sphere.radius=10:40')])
+    found = build_space(DELTOID, ['sphere.radius'], [Bound.from_text('sphere.radius=10:40')])
     assert [parameter.name for parameter in found.parameters] == [
         f'sphere.radius(s={s})' for s in ('0.10', '0.21', '0.47', '0.74', '0.85')
     ]
@@ -86,7 +90,7 @@ def test_a_whole_curve_is_sought_by_its_values_along_s() -> None:
 
 
 def test_without_a_bound_no_value_at_a_band_moves_farther_than_the_reach() -> None:
-    found = space(DELTOID, ['sphere.radius[0]', 'plane_angle[2]'], reach=(0.005, 0.5))
+    found = build_space(DELTOID, ['sphere.radius[0]', 'plane_angle[2]'], reach=(0.005, 0.5))
     for corner in (found.low, found.high):
         model = rebuilt(DELTOID, found, corner)
         radius = model.values['sphere.radius'] - DELTOID.values['sphere.radius']
@@ -97,9 +101,10 @@ def test_without_a_bound_no_value_at_a_band_moves_farther_than_the_reach() -> No
 
 def test_bounds_are_absolute_or_about_the_start() -> None:
     bounds = [
-        Bound.of(text) for text in ('sphere.*=+-2', 'sphere.radius=10:80', 'plane_angle=+-10%')
+        Bound.from_text(text)
+        for text in ('sphere.*=+-2', 'sphere.radius=10:80', 'plane_angle=+-10%')
     ]
-    found = space(DELTOID, ['sphere.centre.x', 'sphere.radius', 'plane_angle'], bounds)
+    found = build_space(DELTOID, ['sphere.centre.x', 'sphere.radius', 'plane_angle'], bounds)
     by_name = {parameter.name: parameter for parameter in found.parameters}
     centre = by_name['sphere.centre.x(s=0.10)']
     assert (centre.low, centre.high) == pytest.approx((centre.start - 2.0, centre.start + 2.0))
@@ -132,21 +137,21 @@ def test_bounds_are_absolute_or_about_the_start() -> None:
 )
 def test_a_bound_that_is_none_is_told_in_one_line(text: str) -> None:
     with pytest.raises(ValueError, match=r'^bound .*: PATTERN=LOW:HIGH, .* expected$'):
-        Bound.of(text)
+        Bound.from_text(text)
 
 
 def test_a_bound_of_what_is_not_free_is_a_fault() -> None:
     with pytest.raises(
-        ValueError, match=r"^bound: 'origin' is none of what is free: sphere.centre"
+        ValueError, match=r"^bound: 'origin' matches nothing that is free: sphere.centre"
     ):
-        space(DELTOID, ['sphere'], [Bound.of('origin=+-1')])
+        build_space(DELTOID, ['sphere'], [Bound.from_text('origin=+-1')])
 
 
 def test_a_curve_that_is_free_as_a_whole_is_bounded_as_a_whole() -> None:
-    bound = Bound.of('sphere.radius[4]=37:38')
-    with pytest.raises(ValueError, match=r"'sphere.radius\[4\]' is none of .*: sphere.radius$"):
-        space(DELTOID, ['sphere.radius'], [bound])
-    (alone,) = space(DELTOID, ['sphere.radius[4]'], [bound]).parameters
+    bound = Bound.from_text('sphere.radius[4]=37:38')
+    with pytest.raises(ValueError, match=r"'sphere.radius\[4\]' matches nothing .* sphere.radius$"):
+        build_space(DELTOID, ['sphere.radius'], [bound])
+    (alone,) = build_space(DELTOID, ['sphere.radius[4]'], [bound]).parameters
     assert (alone.low, alone.high) == (37.0, 38.0)
 
 
@@ -160,13 +165,13 @@ def test_a_curve_that_is_free_as_a_whole_is_bounded_as_a_whole() -> None:
 )
 def test_a_bound_that_leaves_the_start_out_is_a_fault(free: str, bound: str, said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        space(DELTOID, [free], [Bound.of(f'{free}={bound}')])
+        build_space(DELTOID, [free], [Bound.from_text(f'{free}={bound}')])
 
 
 def test_hm_belongs_to_the_sphere() -> None:
     for pattern in ('humeral_point', 'sphere.humeral_point'):
-        assert chosen(DELTOID, [pattern]) == ['humeral_point']
-    assert space(DELTOID, ['sphere']).parameters[-1].name == 'humeral_point'
+        assert choose_places(DELTOID, [pattern]) == ['humeral_point']
+    assert build_space(DELTOID, ['sphere']).parameters[-1].name == 'humeral_point'
 
 
 def test_curves_of_more_coefficients_than_bands_are_sought_by_them() -> None:
@@ -176,7 +181,7 @@ def test_curves_of_more_coefficients_than_bands_are_sought_by_them() -> None:
         s=(0.1,),
         heads=(Head('anterior', DELTOID.band_names[:1], DELTOID.band_names[0]),),
     )
-    found = space(one, ['sphere.radius'])
+    found = build_space(one, ['sphere.radius'])
     assert [parameter.name for parameter in found.parameters] == [
         f'sphere.radius[{k}]' for k in range(5)
     ]

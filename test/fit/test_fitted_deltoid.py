@@ -12,10 +12,10 @@ from optional import requires
 import linkedplane_ros
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.fit.criterion import Criterion, States, Weights
-from linkedplane_ros.fit.data import read
+from linkedplane_ros.fit.data import read_data
 from linkedplane_ros.fit.fitting import Plan, fit
-from linkedplane_ros.fit.over_range import OverRange, over_range
-from linkedplane_ros.fit.parameters import space
+from linkedplane_ros.fit.parameters import build_space
+from linkedplane_ros.fit.survey import Survey, survey_range
 
 PACKAGE = Path(linkedplane_ros.__file__).parent
 LITERATURE = PACKAGE / 'literature'
@@ -28,9 +28,9 @@ TWO_THIRDS = 2.0 / 3.0  # of an angle to the thorax is glenohumeral
 
 def criterion(muscle: BroadMuscle, scale: float = TWO_THIRDS) -> Criterion:
     """Return the criterion for the measured moment arms alone, to 110 deg by tens."""
-    data = read(LITERATURE / 'ackland2008_deltoid_fit.csv', muscle, angle_scale=scale)
+    data = read_data(LITERATURE / 'ackland2008_deltoid_fit.csv', muscle, angle_scale=scale)
     weights = Weights(length=0.0, interference=0.0)
-    return Criterion.of(muscle, space(muscle.definition), data, weights)
+    return Criterion.from_data(muscle, build_space(muscle.definition), data, weights)
 
 
 def mean_off(one: Criterion, x: np.ndarray) -> float:
@@ -41,12 +41,12 @@ def mean_off(one: Criterion, x: np.ndarray) -> float:
 
 
 @pytest.fixture(scope='module')
-def over() -> OverRange:
-    """Return what it does at a grid, at random poses and on ways that no fit has looked at."""
-    return over_range(FITTED, random=5000, ways=100, seed=1)
+def over() -> Survey:
+    """Return what it does at a grid, at random poses and on lines that no fit has looked at."""
+    return survey_range(FITTED, random=5000, lines=100, seed=1)
 
 
-def test_it_enters_no_bone_over_its_range_of_motion(over: OverRange) -> None:
+def test_it_enters_no_bone_over_its_range_of_motion(over: Survey) -> None:
     assert over.entered == 0
     assert FITTED.interference_names == PUBLISHED.interference_names
     np.testing.assert_array_equal(FITTED.interference_centres, PUBLISHED.interference_centres)
@@ -54,12 +54,12 @@ def test_it_enters_no_bone_over_its_range_of_motion(over: OverRange) -> None:
     assert FITTED.range_of_motion == PUBLISHED.range_of_motion
 
 
-def test_its_bands_keep_their_order_and_fan(over: OverRange) -> None:
+def test_its_bands_keep_their_order_and_fan(over: Survey) -> None:
     assert over.disordered == 0
     assert over.parted == 0
 
 
-def test_its_bands_have_paths_and_lengths_that_do_not_jump(over: OverRange) -> None:
+def test_its_bands_have_paths_and_lengths_that_do_not_jump(over: Survey) -> None:
     assert over.inside == 0
     assert over.jump < 1e-5  # m: what moment arms do not explain of a step of 0.25 deg
 

@@ -1,4 +1,4 @@
-"""What a model does over its range of motion: interference, order, jumps of length."""
+"""A survey of a model over its range of motion: interference, order, jumps of length."""
 
 from __future__ import annotations
 
@@ -7,39 +7,41 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.check import DEFAULT_RANGE
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import WrapState
 from ..types import Floats, Intervals
-from .criterion import grid, posed, side_of, spheres_of
-from .parameters import flat_numbers
+from .criterion import evaluate_poses, fan_side, pose_grid, sphere_array
+from .space import pack_definition
 
 STEPS = (math.radians(10.0), math.radians(10.0), math.radians(10.0))
 RANDOM = 2000  # poses beside the grid's
-WAYS = 60  # straight ways between random poses, beside those along single coordinates
-STRIDE = math.radians(0.25)  # on a way
+LINES = 60  # straight lines between random poses, beside those along single coordinates
+STRIDE = math.radians(0.25)  # on a line
 CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
 
 
 @dataclass(frozen=True, eq=False)
-class OverRange:
-    """A model at m poses of its range: a grid, then random ones; and on ways through it."""
+class Survey:
+    """A model at m poses of its range, a grid and then random ones, and on lines through it."""
 
     ranges: Intervals
+    """The range, rad."""
     angles: Floats
-    """(m, 3) flexion, abduction, rotation, rad"""
+    """(m, 3) rad, flexion, abduction, rotation."""
     depths: Floats
-    """(m, n) m; above 0: the band enters an interference sphere."""
+    """(m, n) m, how deep each band enters the interference spheres; negative: how far off it is."""
     gaps: Floats
-    """(m, n - 1) m; not above 0: the band does not lie behind the one before it."""
+    """(m, n - 1) m, how far each band lies behind the one before it; negative: in front of it."""
     spacing: Floats
-    """(n - 1,) m; the distances between the origins of neighbours."""
+    """(n - 1,) m, the distances between the origins of neighbours."""
     inside: int
     """How many bands, over the poses, have an end in their own sphere, and so no path."""
     jump: float
-    """The largest change of a length on the ways that its moment arms do not explain, m."""
+    """m, the largest change of a length on the lines that its moment arms do not explain."""
 
     @property
     def entered(self) -> int:
@@ -57,44 +59,63 @@ class OverRange:
         return int((self.gaps > self.spacing).sum())
 
 
-def over_range(
+def survey_range(
     muscle: BroadMuscle,
     steps: tuple[float, float, float] = STEPS,
     random: int = RANDOM,
-    ways: int = WAYS,
+    lines: int = LINES,
     seed: int = 0,
-) -> OverRange:
-    """Look at a model over its range of motion; without one, over DEFAULT_RANGE.
+) -> Survey:
+    """Return a survey of a model over its range of motion; without one, over DEFAULT_RANGE.
 
-    ValueError where a band has no plane, or no path at any pose.
+    Parameters
+    ----------
+    muscle
+        The model.
+    steps
+        The longest steps of the grid, rad: flexion, abduction, rotation.
+    random
+        How many random poses there are.
+    lines
+        How many lines between random poses there are.
+    seed
+        Of the random numbers.
+
+    Raises
+    ------
+    LinkedPlaneError
+        Where a band has no plane, or no path at any pose.
+
     """
     ranges = muscle.range_of_motion or DEFAULT_RANGE
     generator = np.random.default_rng(seed)
     low, high = np.array(ranges).T
-    angles, rotations = grid(ranges, steps)
+    angles, rotations = pose_grid(ranges, steps)
     more = generator.uniform(low, high, (random, 3))
     angles = np.concatenate((angles, more))
     rotations = np.concatenate((rotations, CONVENTION.rotations_and_axes(more)[0]))
-    flat = flat_numbers(muscle.definition)
-    states = posed(flat, rotations, spheres_of(muscle), 0, side_of(flat))
+    flat = pack_definition(muscle.definition)
+    states = evaluate_poses(flat, rotations, sphere_array(muscle), 0, fan_side(flat))
     if isinstance(states, float):
-        raise ValueError(f'{muscle.name}: a band has no path anywhere: an end lies in its sphere')
+        raise LinkedPlaneError(
+            f'{muscle.name}: a band has no path anywhere: an end lies in its sphere'
+        )
     inside = int((states.wrap == WrapState.INSIDE).sum())
-    jump = _jump(muscle, low, high, ways, generator)
-    return OverRange(ranges, angles, states.depths, states.gaps, states.spacing, inside, jump)
+    jump = _largest_jump(muscle, low, high, lines, generator)
+    return Survey(ranges, angles, states.depths, states.gaps, states.spacing, inside, jump)
 
 
-def _jump(
-    muscle: BroadMuscle, low: Floats, high: Floats, ways: int, generator: np.random.Generator
+def _largest_jump(
+    muscle: BroadMuscle, low: Floats, high: Floats, lines: int, generator: np.random.Generator
 ) -> float:
-    """Return the largest change of a length on ways that the moment vectors do not explain, m.
+    """Return the largest change of a length on lines that the moment vectors do not explain, m.
 
-    On the three coordinates, the others at 0 or as near as the range has it, and on straight ways
+    The lines run along each coordinate, the others at 0 or as near to it as the range allows, and
     between random poses.
     """
     still = np.clip(np.zeros(3), low, high)
     ends = [np.where(np.eye(3)[axis] > 0.0, (low, high), still) for axis in range(3)]
-    ends += list(generator.uniform(low, high, (ways, 2, 3)))
+    ends += list(generator.uniform(low, high, (lines, 2, 3)))
     solver, most = LinkedPlaneSolver(muscle), 0.0
     for first, last in ends:
         count = 2 + int(np.abs(last - first).max() / STRIDE)
