@@ -106,7 +106,7 @@ class Criterion:
     """The criterion of equation 5.7 over the parameters of a fit.
 
     x (p,) are the parameters of `space`, in the file's units. A muscle without a path at any pose
-    has no states; a float stands for them, which is m and smaller the nearer it is to a path.
+    has no states but a float: m, the smaller the nearer it is to having one.
     """
 
     space: Space

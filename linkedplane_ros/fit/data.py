@@ -132,16 +132,16 @@ def read_data(
         rows = csv_rows(lines)
         line, names = next(rows, (1, []))
         columns = Columns.from_names(line, [name.strip() for name in names], convention)
-        found = [columns.read_row(muscle, line, cells) for line, cells in rows]
-        if not found:
+        measured = [columns.read_row(muscle, line, cells) for line, cells in rows]
+        if not measured:
             raise RecordingError(f'{line}: no rows of measurements after the names')
     if columns.convention is not None:
         if step is not None or angle_scale != 1.0:
             raise RecordingError(
                 f'{path}: has poses; only angles of a motion are scaled or stepped'
             )
-        return Data(path, tuple(found), 1.0, None)
-    scaled = [replace(each, angles=(angle_scale * each.angles[0],)) for each in found]
+        return Data(path, tuple(measured), 1.0, None)
+    scaled = [replace(each, angles=(angle_scale * each.angles[0],)) for each in measured]
     if step is not None:
         try:
             scaled = list(_resample(scaled, step))
@@ -240,20 +240,20 @@ def find_band(muscle: BroadMuscle, part: str, line: int) -> int:
     return muscle.band_names.index(band)
 
 
-def _check_measurement(found: Measurement, line: int) -> None:
-    if not all(map(math.isfinite, found.angles)):
+def _check_measurement(row: Measurement, line: int) -> None:
+    if not all(map(math.isfinite, row.angles)):
         raise RecordingError(f'{line}: an angle is missing or not finite')
-    if max(map(abs, found.angles)) > 2.0 * math.pi:
+    if max(map(abs, row.angles)) > 2.0 * math.pi:
         raise RecordingError(f'{line}: an angle of more than a full turn: in degrees, or in rad?')
-    if math.isnan(found.length) and math.isnan(found.arm):
+    if math.isnan(row.length) and math.isnan(row.arm):
         raise RecordingError(f'{line}: neither a length nor a moment arm')
-    for name, value in (('length', found.length), ('moment arm', found.arm)):
+    for name, value in (('length', row.length), ('moment arm', row.arm)):
         if abs(value) > 1.0:
             raise RecordingError(f'{line}: a {name} of {value:g} m; in mm, or in m?')
-    if found.length <= 0.0:
-        raise RecordingError(f'{line}: a length of {found.length:g} m; above 0 expected')
-    if not 0.0 <= found.weight < math.inf:
-        raise RecordingError(f'{line}: a weight of {found.weight:g}; 0 or more expected')
+    if row.length <= 0.0:
+        raise RecordingError(f'{line}: a length of {row.length:g} m; above 0 expected')
+    if not 0.0 <= row.weight < math.inf:
+        raise RecordingError(f'{line}: a weight of {row.weight:g}; 0 or more expected')
 
 
 def _unit_column(

@@ -72,7 +72,7 @@ class JointMap:
 
     @property
     def facts(self) -> dict[str, str]:
-        """How angles are made of the recorded positions, for an output's metadata."""
+        """How angles follow from the recorded positions, for an output's metadata."""
         return {
             'joints': json.dumps(self.names),
             'joint_signs': ' '.join(f'{sign:g}' for sign in self.signs),
@@ -100,7 +100,7 @@ class JointMemory:
         Parameters
         ----------
         names
-            (k) any joints, in any order; of a name that stands twice the last counts.
+            (k) any joints, in any order; of a name that appears twice the last one counts.
         positions
             (k) rad
         velocities
@@ -148,7 +148,7 @@ class JointMemory:
         return angles, (i * speeds[a], j * speeds[b], k * speeds[c]), warning
 
     def _find_places(self, names: Sequence[str]) -> list[tuple[str, int]]:
-        """Return where the joints stand among the names, the last of a name that stands twice."""
+        """Return the joints' places among the names; of a name that appears twice the last."""
         if names != self._names:
             last = {name: i for i, name in enumerate(names)}
             places = [(name, last[name]) for name in self.joints.names if name in last]

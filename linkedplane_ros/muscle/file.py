@@ -26,7 +26,7 @@ def name_keys(section: YamlMapping) -> Iterator[None]:
 
 
 def read_definition(file: YamlMapping) -> Definition:
-    """Return the definition in a file's content; ModelError in one line for whatever is wrong."""
+    """Return the definition in a file's content; ModelError names file, key and reason."""
     file.check_keys(*known_keys(''))
     if file.text('format') != FORMAT:
         raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')

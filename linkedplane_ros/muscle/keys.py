@@ -18,7 +18,7 @@ class Key:
     path: str
     """With dots; NAME is a name of the user's own, QUANTITY and POINTS are what has these types."""
     type: str
-    """One of TYPES; '' where other keys stand below."""
+    """One of TYPES; '' for a key with other keys below it."""
     meaning: str
     """In Markdown."""
     unit: str = ''
@@ -26,7 +26,7 @@ class Key:
     frame: str = ''
     """What points are measured in."""
     choices: tuple[str, ...] = ()
-    """The words that may stand there."""
+    """The words that may be there."""
     required: bool = True
     field: str = ''
     """Of a BroadMuscle, where that names it otherwise."""
@@ -49,7 +49,7 @@ TYPES = {
     'quantity': 'a quantity',
     'points': 'points',
 }
-"""What may stand under a key, as the documentation calls it."""
+"""What may be under a key, as the documentation calls it."""
 
 GROUND, HUMERUS = 'ground', 'humerus'
 LENGTH, ANGLE = 'units.length', 'units.angle'
@@ -98,7 +98,7 @@ KEYS = (
     Key(
         'heads.NAME.represented_by',
         'text',
-        'The one of these bands that stands for the head in comparisons.',
+        'The one of these bands that represents the head in comparisons.',
     ),
     Key('origin', 'points', 'Where the bands arise.', LENGTH, GROUND, field='origins'),
     Key('insertion', 'points', 'Where the bands end.', LENGTH, HUMERUS, field='insertions'),

@@ -1,4 +1,4 @@
-"""YAML that people write: whatever is wrong is said in one line with file, key and reason."""
+"""YAML that people write: an error is one line with file, key and reason."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..errors import ModelError
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
-    """YAML in which no key of a mapping may stand twice."""
+    """YAML in which no key of a mapping may appear twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Return the mapping; a YAML error at the second of two like keys."""
@@ -21,7 +21,7 @@ class UniqueKeyLoader(yaml.SafeLoader):
         for key_node, _ in node.value:
             key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
             if key in keys:
-                problem = f'the key {key!r} stands twice'
+                problem = f'the key {key!r} appears twice'
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
             keys.add(key)
         return super().construct_mapping(node, deep)
@@ -51,7 +51,7 @@ def parse_yaml(file: str, text: str) -> YamlMapping:
 
 
 class YamlMapping:
-    """A mapping of a file that knows where it stands; every fault names its key."""
+    """A mapping of a file, which knows its place there; every error names file and key."""
 
     def __init__(self, file: str, path: str, content: Any) -> None:
         """Hold a mapping; ModelError for anything else."""
@@ -113,7 +113,7 @@ class YamlMapping:
         return tuple(value)
 
     def choice(self, key: str, choices: Iterable[str]) -> str:
-        """Return the one of the choices that stands under a key."""
+        """Return the word under a key, one of the choices."""
         value, choices = self.content[key], tuple(choices)
         if not isinstance(value, str) or value not in choices:
             raise self.fault(key, f'{value!r} given, one of {", ".join(choices)} expected')

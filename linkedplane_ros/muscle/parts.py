@@ -78,7 +78,7 @@ class Head:
     bands: tuple[str, ...]
     """The names of its bands."""
     represented_by: str
-    """The band that stands for the head in comparisons (thesis ch. 6)."""
+    """The band that represents the head in comparisons (thesis ch. 6)."""
 
     def __post_init__(self) -> None:
         """Check the bands; FieldError names the field."""

@@ -93,7 +93,7 @@ def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Defi
 
 
 def scale_definition(model: Definition, scale: Scale) -> Definition:
-    """Return a definition at another size, in its own units; its source tells the scale."""
+    """Return a definition at another size, in its own units; its source says the scale."""
     if scale.uniform and scale.scapula[0] == 1.0:
         return model
     bones = {'scapula': scale.scapula, 'humerus': scale.humerus}

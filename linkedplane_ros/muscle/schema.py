@@ -1,6 +1,6 @@
-"""The JSON Schema of the model file, for editors: made of the keys' description.
+"""The JSON Schema of the model file, for editors, from the keys' description.
 
-python -m linkedplane_ros.muscle.schema  write models/broad_muscle.schema.json anew
+python -m linkedplane_ros.muscle.schema  write models/broad_muscle.schema.json
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def mapping(properties: dict[str, Any], required: list[str]) -> dict[str, Any]:
 
 
 def describe_key(key: Key) -> dict[str, Any]:
-    """Return the schema of what stands under a key."""
+    """Return the schema of what is under a key."""
     frame = key.frame and f'{key.frame.strip("`")} frame'
     where = ', '.join(each for each in (key.unit and f'in {key.unit}', frame) if each)
     description = f'{key.meaning} ({where})' if where else key.meaning

@@ -34,7 +34,7 @@ def check_choice(field: str, value: Any, choices: Sequence[str], owner: str = ''
 
 
 def check_names(field: str, names: Sequence[str], owner: str = '') -> None:
-    """Refuse names of bands that cannot stand in a list with commas, and none at all."""
+    """Refuse names of bands with commas or line breaks, names that repeat, and an empty list."""
     if not names:
         raise FieldError(field, 'a list of names expected, an empty one given', owner)
     check_distinct(field, names, owner)
@@ -51,7 +51,7 @@ def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
         raise FieldError(field, f'{wrong[0]!r} given; a name expected', owner)
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise FieldError(field, f'{twice[0]!r} stands twice; different names expected', owner)
+        raise FieldError(field, f'{twice[0]!r} appears twice; different names expected', owner)
 
 
 def require_text(field: str, value: Any) -> str:
@@ -111,10 +111,10 @@ def check_heads(heads: Sequence[Head], bands: Sequence[str]) -> None:
 
 
 def check_landmarks(names: Sequence[str]) -> None:
-    """Refuse landmarks of one name, and the one that every model has."""
+    """Refuse names that repeat, and that of the landmark that every model has."""
     check_distinct('landmarks', names)
     if JOINT_CENTRE in names:
-        reason = 'is the origin of both bones, and there already'
+        reason = 'is the origin of both bones in every model; another name expected'
         raise FieldError(f'landmarks.{JOINT_CENTRE}', reason)
 
 

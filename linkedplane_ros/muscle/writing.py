@@ -128,7 +128,7 @@ def _numbers(place: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 def _steps(place: str) -> list[str | int]:
-    """Return the keys and indices on the way to a place."""
+    """Return the keys and indices that lead to a place."""
     steps: list[str | int] = []
     for part in place.split('.'):
         key, *indices = part.replace(']', '').split('[')

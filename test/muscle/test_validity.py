@@ -37,12 +37,12 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({'source': ' '}, 'source: ', "text expected, ' ' given"),
     ({'licence': 3}, 'licence: ', 'text expected, 3 given'),
     ({'band_names': ()}, 'band_names: ', 'a list of names expected, an empty one given'),
-    ({'band_names': ('one', 'one')}, 'band_names: ', "'one' stands twice"),
+    ({'band_names': ('one', 'one')}, 'band_names: ', "'one' appears twice"),
     ({'band_names': ('a', '')}, 'band_names: ', "'' given; a name without a comma expected"),
     ({'band_names': ('a,b',)}, 'band_names: ', "'a,b' given; a name without a comma expected"),
     ({'band_names': ('a\n',)}, 'band_names: ', "'a\\n' given; a name without a comma expected"),
     ({'heads': (ANTERIOR, MIDDLE)}, 'heads: ', "no head has the band 'posterior_1'"),
-    ({'heads': (ANTERIOR, *DELTOID.heads)}, 'heads: ', "'anterior' stands twice"),
+    ({'heads': (ANTERIOR, *DELTOID.heads)}, 'heads: ', "'anterior' appears twice"),
     (
         {'heads': (Head('all', ('nobody',), 'nobody'),)},
         'heads.all.bands: ',
@@ -91,7 +91,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ),
     ({'interference_radii': [0.03]}, 'interference_radii: ', 'shape (1,) given, (3,) expected'),
     ({'interference_centres': np.full((3, 3), np.nan)}, 'interference_centres: ', 'nan given at'),
-    ({'interference_names': ('a', 'b', 'a')}, 'interference_names: ', "'a' stands twice"),
+    ({'interference_names': ('a', 'b', 'a')}, 'interference_names: ', "'a' appears twice"),
     ({'range_of_motion': ((0.0, 1.0),)}, 'range_of_motion: ', 'shape (1, 2) given, (3, 2)'),
     (
         {'range_of_motion': (LIMITS[0], (1.0, 0.5), LIMITS[2])},
@@ -111,7 +111,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     (
         {'landmarks': (Landmark('tip', 'scapula', (0.0, 0.0, 0.1)),) * 2},
         'landmarks: ',
-        "'tip' stands twice",
+        "'tip' appears twice",
     ),
 ]  # fmt: skip
 
@@ -143,7 +143,7 @@ def test_a_muscle_made_anew_is_checked_as_one_that_is_changed() -> None:
             "head middle: represented_by: 'c' is not one of the bands of the head",
         ),
         (lambda: Head('middle', (), 'c'), 'head middle: bands: a list of names expected'),
-        (lambda: Head('middle', ('a', 'a'), 'a'), "head middle: bands: 'a' stands twice"),
+        (lambda: Head('middle', ('a', 'a'), 'a'), "head middle: bands: 'a' appears twice"),
         (
             lambda: Landmark('tip', 'wing', (0.0, 0.0, 0.0)),
             "landmark tip: bone: 'wing' given, one of scapula, humerus expected",
@@ -179,7 +179,7 @@ def test_a_part_that_cannot_be_is_named(make: Any, told: str) -> None:
         ({'origin': (Listed((1.0,)),) * 3}, 'origin: a list of 9 points, one for each band, exp'),
         ({'sphere_frame': 'ground'}, 'sphere.ground_point: is for moving frames; given here: gr'),
         ({'ground_point': None}, 'sphere.ground_point: missing'),
-        ({'band_names': NAMES[:1] * 9}, "bands.names: 'anterior_1' stands twice"),
+        ({'band_names': NAMES[:1] * 9}, "bands.names: 'anterior_1' appears twice"),
     ],
 )
 def test_a_definition_that_cannot_be_is_refused_by_the_keys_of_its_file(
