@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.colours import HEAD_COLOURS
 from linkedplane_ros.linked_planes.chain import bands_at, energy, plane_at, state_at
-from linkedplane_ros.linked_planes.path import path_of
+from linkedplane_ros.linked_planes.path import band_path
 
 SOLVER = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
 HANGING = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -33,7 +33,7 @@ def polyline(band: Any, theta: float) -> np.ndarray:
     """Return a band's path at theta, (k, 3) m."""
     c, s = np.cos(theta), np.sin(theta)
     d, b, _, _ = plane_at(band.section, c, s)
-    path = path_of(band, c, s, state_at(band.section, d, b, False))
+    path = band_path(band, c, s, state_at(band.section, d, b, False))
     P, u, e = (np.array(each) for each in (path.P, path.u, path.e))
     if not path.wrapped:
         return np.array([P, P + path.D * u])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import ModelError
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import THESIS_CONVENTION
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.check import DEFAULT_RANGE, describe_pose
 from ..solver.linked_plane_solver import LinkedPlaneSolver
@@ -66,8 +66,7 @@ def model_figure(muscle: BroadMuscle) -> Figure:
     from matplotlib.figure import Figure
 
     solver = LinkedPlaneSolver(muscle)
-    convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
-    states = [(each, solver.solve(convention.rotation(each))) for each in pictured_poses(muscle)]
+    states = [(each, solver.solve(THESIS_CONVENTION.rotation(each))) for each in pictured_poses(muscle)]
     corners = bounding_corners(muscle, [state for _, state in states])
     figure = Figure(figsize=(11.0, 7.4))
     for row, (side, (elevation, azimuth)) in enumerate(VIEWS.items()):

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import THESIS_CONVENTION
 from ..linked_planes.layout import band_count
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats, Interval
@@ -312,5 +312,4 @@ def pose_grid(ranges: Sequence[Interval], steps: Sequence[float]) -> tuple[Float
         for (low, high), step in zip(ranges, steps, strict=True)
     ]
     angles = np.stack(np.meshgrid(*sides, indexing='ij'), axis=-1).reshape(-1, 3)
-    convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
-    return angles, convention.rotations_and_axes(angles)[0]
+    return angles, THESIS_CONVENTION.rotations_and_axes(angles)[0]

@@ -29,14 +29,14 @@ from ..linked_planes.layout import (
 )
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
-from ..linked_planes.path import deepest, halfway, path_of
+from ..linked_planes.path import band_path, depth_in_spheres, halfway
 from ..linked_planes.vectors import ZERO, cross, dot, minus, norm, times
 
 PHI = COS_PHI  # where phi stands among the numbers of a band
 
 
 @entry
-def combined(base: Any, columns: Any, x: Any) -> Any:
+def combine(base: Any, columns: Any, x: Any) -> Any:
     """Return base (k,) + columns (k, p) x (p,), a flat muscle.
 
     Not by NumPy: the widest instructions of its products would slow all that follows them.
@@ -49,7 +49,7 @@ def combined(base: Any, columns: Any, x: Any) -> Any:
 
 
 @compiled
-def prepare(muscle: Muscle) -> None:
+def prepare_muscle(muscle: Muscle) -> None:
     """Make a flat muscle, in place, what the solver's kernels take."""
     size = norm(vector(muscle, NORMAL))
     for axis in range(3):
@@ -61,7 +61,7 @@ def prepare(muscle: Muscle) -> None:
 
 
 @compiled
-def end_inside(muscle: Muscle, i: int) -> float:
+def fixed_end_depth(muscle: Muscle, i: int) -> float:
     """Return how deep (m) a band's end that its sphere moves with lies in it, at any pose.
 
     At least: infinite for a radius that is not positive.
@@ -78,7 +78,7 @@ def end_inside(muscle: Muscle, i: int) -> float:
 
 
 @compiled
-def inside(band: Band) -> float:
+def end_depth(band: Band) -> float:
     """Return how deep (m) the deeper end of a band lies in its sphere; negative: how far off."""
     section = band.section
     to_S = norm(minus(band.p, times(section.D, band.u)))
@@ -124,10 +124,10 @@ def evaluate(
     its sphere at any pose, how deep, m.
     """
     n = band_count(muscle)
-    prepare(muscle)
+    prepare_muscle(muscle)
     most = -inf
     for i in range(n):
-        most = max(most, end_inside(muscle, i))
+        most = max(most, fixed_end_depth(muscle, i))
     if most >= 0.0:
         return 0, most
     bands = bands_at(muscle, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
@@ -151,9 +151,9 @@ def evaluate(
             band = bands[i]
             d, b, _, _ = plane_at(band.section, c, s)
             states[j, i] = state_at(band.section, d, b, i == held)
-            path = path_of(band, c, s, states[j, i])
-            depths[j, i] = deepest(path, spheres)
-            insides[j, i] = inside(band)
+            path = band_path(band, c, s, states[j, i])
+            depths[j, i] = depth_in_spheres(path, spheres)
+            insides[j, i] = end_depth(band)
             edges[j, i] = past_edge(band.section, d, b)
             before, side = middle, cross(along, middle)
             middle, along = halfway(path)

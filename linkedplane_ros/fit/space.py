@@ -19,7 +19,7 @@ from ..linked_planes.layout import (
 from ..muscle.definition import Definition, expand_frame
 from ..muscle.parts import METRES, RADIANS
 from ..types import Floats
-from .kernel import PHI, combined
+from .kernel import PHI, combine
 
 # Where the curves' values stand in the flat layout of a band, and the points in that of a muscle.
 SLOTS = {
@@ -86,7 +86,7 @@ class Space:
 
     def flat_muscle(self, x: Floats) -> Floats:
         """Return the flat muscle (size,) at the parameters x (p,)."""
-        return np.asarray(combined(self.flat_base, self.flat_rows, x))
+        return np.asarray(combine(self.flat_base, self.flat_rows, x))
 
     def coefficients(self, x: Floats) -> dict[str, float]:
         """Return the numbers of the model file at the parameters x (p,), by their places."""

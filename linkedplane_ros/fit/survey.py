@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import THESIS_CONVENTION
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.check import DEFAULT_RANGE
 from ..solver.linked_plane_solver import LinkedPlaneSolver
@@ -21,7 +21,6 @@ STEPS = (math.radians(10.0), math.radians(10.0), math.radians(10.0))
 RANDOM = 2000  # poses beside the grid's
 LINES = 60  # straight lines between random poses, beside those along single coordinates
 STRIDE = math.radians(0.25)  # on a line
-CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +92,7 @@ def survey_range(
     angles, rotations = pose_grid(ranges, steps)
     more = generator.uniform(low, high, (random, 3))
     angles = np.concatenate((angles, more))
-    rotations = np.concatenate((rotations, CONVENTION.rotations_and_axes(more)[0]))
+    rotations = np.concatenate((rotations, THESIS_CONVENTION.rotations_and_axes(more)[0]))
     flat = pack_definition(muscle.definition)
     states = evaluate_poses(flat, rotations, sphere_array(muscle), 0, fan_side(flat))
     if isinstance(states, float):
@@ -120,7 +119,7 @@ def _largest_jump(
     for first, last in ends:
         count = 2 + int(np.abs(last - first).max() / STRIDE)
         angles = first + np.linspace(0.0, 1.0, count)[:, np.newaxis] * (last - first)
-        states = solver.solve_batch(CONVENTION.rotations_and_axes(angles)[0])
+        states = solver.solve_batch(THESIS_CONVENTION.rotations_and_axes(angles)[0])
         between = np.einsum('kij,klj->kil', states.rotation[1:], states.rotation[:-1])
         turned = 0.5 * np.stack(
             [between[:, (i + 2) % 3, (i + 1) % 3] - between[:, (i + 1) % 3, (i + 2) % 3]

@@ -167,7 +167,7 @@ class JointConvention:
         for m3 in (float(middle_of + half), float(middle_of - half)):
             m2 = self._second_turn(w, m3)
             first = R @ rotation_about(e3, m3).T @ rotation_about(e2, m2).T
-            candidates.append(np.array([angle_about(e1, e2, first @ e2), m2, in_circle(m3)]))
+            candidates.append(np.array([angle_about(e1, e2, first @ e2), m2, principal_angle(m3)]))
         return _unmix(mix, min(candidates, key=self._outside))
 
     def _second_turn(self, w: Floats, m3: float) -> float:
@@ -241,7 +241,7 @@ def angle_about(axis: Floats, start: Floats, end: Floats) -> float:
     return float(np.arctan2(end @ np.cross(axis, across), end @ across))
 
 
-def in_circle(angle: float) -> float:
+def principal_angle(angle: float) -> float:
     """Return the angle in (-pi, pi]."""
     return float(np.pi - (np.pi - angle) % (2.0 * np.pi))
 
@@ -305,3 +305,5 @@ JOINT_CONVENTIONS: Mapping[str, JointConvention] = MappingProxyType(
     {convention.name: convention for convention in _CONVENTIONS}
 )
 """The joint conventions by name; the node's parameter `joint_convention` takes these names."""
+THESIS_CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
+"""The thesis's own: a model's range of motion is stated in its coordinates."""

@@ -74,7 +74,7 @@ def as_rotation(rotation: npt.ArrayLike) -> Floats:
 
 
 def as_matrix(rotation: npt.ArrayLike) -> Floats:
-    """Return a copy of a (3, 3) matrix of whatever numbers; LinkedPlaneError for anything else."""
+    """Return a copy of a (3, 3) matrix of any numbers; LinkedPlaneError for anything else."""
     matrix = _as_floats('rotation', rotation, '(3, 3)')
     if matrix.shape != (3, 3):
         raise LinkedPlaneError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
@@ -82,7 +82,7 @@ def as_matrix(rotation: npt.ArrayLike) -> Floats:
 
 
 def as_matrices(rotations: npt.ArrayLike) -> Floats:
-    """Return a copy of (m, 3, 3) matrices of whatever numbers; m may be 0."""
+    """Return a copy of (m, 3, 3) matrices of any numbers; m may be 0."""
     matrices = _as_floats('rotations', rotations, '(m, 3, 3)')
     if matrices.shape == (0,):
         matrices = np.empty((0, 3, 3))

@@ -13,7 +13,7 @@ from .compiled import compiled
 
 WRAPPED, CLEAR, MISSED, INSIDE = 0, 1, 2, 3
 
-PIERCED = 4  # the line runs through the sphere: the band wraps it in whatever plane it lies
+PIERCED = 4  # the line runs through the sphere: the band wraps it in every plane
 BESIDE = 5  # the line passes the sphere: the band wraps it only in planes that bulge over it
 
 

@@ -84,7 +84,7 @@ def bands_at(muscle: Muscle, rotation: Rotation) -> list[Band]:
     """Pose the muscle: its bands and the chain of their planes, for a humerus -> scapula rotation.
 
     A band without a line (it ends where it begins), a plane (the normal before it runs along its
-    line) or a moving frame of its sphere (P, HM and SC in one line) ends the list before its time.
+    line) or a moving frame of its sphere (P, HM and SC in one line) ends the list early.
     """
     SC = vector(muscle, GROUND_POINT)
     HM = turned(rotation, vector(muscle, HUMERAL_POINT))

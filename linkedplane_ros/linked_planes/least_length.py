@@ -8,7 +8,7 @@ from .compiled import compiled
 
 LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of about its square
 EVEN = 2.0  # a plane's fastest turn with theta over its slowest, up to which it turns evenly
-EDGE = 1e-9  # rad: as near as E is looked at beside a jump
+EDGE = 1e-9  # rad: how near to a jump E is computed
 EVEN_STEPS, CIRCLE_STEPS = 12, 360  # samples of a circle: pierced bands that turn evenly; others
 
 

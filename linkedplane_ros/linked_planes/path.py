@@ -31,7 +31,7 @@ class Path(NamedTuple):
 
 
 @compiled
-def path_of(band: Band, c: float, s: float, state: int) -> Path:
+def band_path(band: Band, c: float, s: float, state: int) -> Path:
     """Return a band's path at theta, given its cosine and sine, and in its wrap state."""
     section, u = band.section, band.u
     D, tP, tS = section.D, section.tP, section.tS
@@ -77,7 +77,7 @@ def distance(path: Path, X: Vector) -> float:
 
 
 @compiled
-def deepest(path: Path, spheres: Any) -> float:
+def depth_in_spheres(path: Path, spheres: Any) -> float:
     """Return how deep (m) a path enters the sphere (centre, radius) that it enters deepest.
 
     Negative: by how much it keeps off all of them; minus infinity without spheres.

@@ -11,9 +11,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ..joints.conventions import THESIS_CONVENTION
 from ..muscle.broad_muscle import BroadMuscle
 from .methods import methods
-from .sweeps import THESIS, angle_limits
+from .sweeps import angle_limits
 
 FRAMES = 500  # of a batch: few enough for one core
 FINITE_ELEMENTS = (
@@ -40,7 +41,7 @@ def cost(muscle: BroadMuscle, seconds: float = 0.1) -> list[Cost]:
     """Measure what each method takes on this machine, for `seconds` each."""
     low, high = angle_limits(muscle).T
     angles = np.random.default_rng(1).uniform(low, high, (FRAMES, 3))
-    rotations = THESIS.rotations_and_axes(angles)[0]
+    rotations = THESIS_CONVENTION.rotations_and_axes(angles)[0]
     found = methods(muscle)
     calls: dict[tuple[str, str], Callable[[], Any]] = {}
     for method in found:

@@ -85,8 +85,8 @@ class Straight(PathModel):
 class ViaPoints(PathModel):
     """Straight lines through points that are fixed to the bones, and always active.
 
-    WRAPPED if there are any. (A via point that is switched off at some poses, as thesis ch. 3 has
-    it, is a rule of its own for each muscle, and none is published for the deltoid.)
+    WRAPPED if there are any. (Via points that are switched off at some poses, as in thesis ch. 3,
+    need a rule for each muscle, and none is published for the deltoid.)
     """
 
     on_scapula: tuple[Vector, ...] = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import THESIS_CONVENTION
 from ..joints.rotations import rotation_about
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.check import DEFAULT_RANGE
@@ -12,7 +12,6 @@ from ..types import Floats
 
 STEP = np.radians(0.5)  # at most, of the humerus between neighbouring poses
 RANDOM_SWEEPS = 12
-THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 SCAPTION = np.array((0.5, -(0.75**0.5), 0.0))  # the axis, thesis ch. 5
 
 
@@ -28,7 +27,7 @@ def straight_sweep(start: Floats, end: Floats, step: float) -> Floats:
     """
     count = step_count(float(np.abs(end - start).sum()), step) + 1
     angles = start + np.linspace(0.0, 1.0, max(count, 2))[:, np.newaxis] * (end - start)
-    return THESIS.rotations_and_axes(angles)[0]
+    return THESIS_CONVENTION.rotations_and_axes(angles)[0]
 
 
 def angle_limits(muscle: BroadMuscle) -> Floats:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import THESIS_CONVENTION
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats, Intervals
@@ -22,7 +22,6 @@ DEFAULT_RANGE: Intervals = tuple(
 )
 """The published deltoid's, rad, for models that state none."""
 STEPS = (9, 7, 5)  # poses along flexion, abduction and rotation
-CONVENTION = JOINT_CONVENTIONS['flexion_abduction_rotation']
 JUMP = 1e-3  # m: what a length may jump by
 HALVINGS = 14  # of the step between two poses; what does not jump hardly changes over the last
 NEAR_NORMAL = 10.0  # deg from a band's line to the normal that its plane follows
@@ -49,7 +48,7 @@ def check_model(muscle: BroadMuscle) -> ModelCheck:
     axes = [np.unique(np.linspace(*span, n)) for span, n in zip(limits, STEPS, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing='ij'), axis=-1)
     angles = grid.reshape(-1, 3)
-    rotations, turns = CONVENTION.rotations_and_axes(angles)
+    rotations, turns = THESIS_CONVENTION.rotations_and_axes(angles)
     solver = LinkedPlaneSolver(muscle)
     found: list[str] = []
     reasons = [''] * len(angles)
@@ -100,7 +99,7 @@ def inside_warnings(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -
 def normal_warnings(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -> Iterator[str]:
     """Warn of normals nearly along the next band: a small change turns its plane a lot."""
     between, _ = fan_angles(muscle, states)
-    text = 'its plane hangs on a normal that runs within {:.1f} deg of its line'
+    text = 'its plane follows a normal that runs within {:.1f} deg of its line'
     yield from worst_cases(muscle, angles, -between, -NEAR_NORMAL, text)
 
 
@@ -185,7 +184,7 @@ def jump_warnings(
 
 def solve_lengths(solver: LinkedPlaneSolver, *angles: Floats) -> Floats:
     """Return the lengths (k, m, n) at k times (m, 3) angles, rad."""
-    rotations, _ = CONVENTION.rotations_and_axes(np.concatenate(angles))
+    rotations, _ = THESIS_CONVENTION.rotations_and_axes(np.concatenate(angles))
     n = len(solver.muscle.band_names)
     return solver.solve_batch(rotations).lengths.reshape(len(angles), -1, n)
 

@@ -208,7 +208,7 @@ class LinkedPlaneSolver:
         *poses, n = state.wrap.shape
         m = poses[0] if poses else 1
         drawn = np.empty((m, n, 3)), np.empty((m, n, 3)), np.zeros((m, n, points, 3))
-        # copies: whatever part of an array a state has, the kernel is compiled for one kind
+        # copies, so that the kernel is compiled once and not for each kind of part of an array
         rotations = np.array(state.rotation, ndmin=3)
         thetas, wrap = np.array(state.theta, ndmin=1), np.array(state.wrap, ndmin=2)
         draw_poses(self._flat, rotations, thetas, wrap, *drawn)

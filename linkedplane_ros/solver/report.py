@@ -77,7 +77,7 @@ def warning_lines(muscle: BroadMuscle) -> Iterator[str]:
     )
     whose = 'its' if muscle.range_of_motion else "the deltoid's (it states none)"
     yield (
-        f'range of motion, {whose}: {spans} deg; {count_text(check.poses, "pose")} looked at, '
+        f'range of motion, {whose}: {spans} deg; {count_text(check.poses, "pose")} checked, '
         f'{count_text(len(check.warnings), "warning")}'
     )
     for line in check.warnings:

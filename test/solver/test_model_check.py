@@ -112,7 +112,7 @@ def test_a_normal_nearly_along_the_first_band_is_told() -> None:
     sine = np.linalg.norm(np.cross(reference.unit(near), reference.unit(line)))
     off = np.degrees(np.arcsin(sine))
     assert told == (
-        f'anterior_1: its plane hangs on a normal that runs within {off:.1f} deg of its line '
+        f'anterior_1: its plane follows a normal that runs within {off:.1f} deg of its line '
         '(flexion 0, abduction 0, rotation 0 deg); at 1 of 1 poses'
     )
 
@@ -183,7 +183,7 @@ def test_info_prints_the_warnings_and_ends_well(
     lines = [line for line in out.splitlines() if line.startswith('warning: ')]
     look = check_model(BroadMuscle.load(path))
     assert lines == [f'warning: {line}' for line in look.warnings]
-    assert f'315 poses looked at, {len(lines)} warnings' in out
+    assert f'315 poses checked, {len(lines)} warnings' in out
 
 
 def test_info_tells_what_the_spheres_move_with() -> None:
