@@ -66,7 +66,8 @@ def model_figure(muscle: BroadMuscle) -> Figure:
     from matplotlib.figure import Figure
 
     solver = LinkedPlaneSolver(muscle)
-    states = [(each, solver.solve(THESIS_CONVENTION.rotation(each))) for each in pictured_poses(muscle)]
+    poses = pictured_poses(muscle)
+    states = [(each, solver.solve(THESIS_CONVENTION.rotation(each))) for each in poses]
     corners = bounding_corners(muscle, [state for _, state in states])
     figure = Figure(figsize=(11.0, 7.4))
     for row, (side, (elevation, azimuth)) in enumerate(VIEWS.items()):
