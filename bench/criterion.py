@@ -10,7 +10,7 @@ import numpy as np
 
 from linkedplane_ros import LinkedPlaneSolver
 from linkedplane_ros.fit.criterion import Criterion
-from linkedplane_ros.fit.data import Data, Measurement
+from linkedplane_ros.fit.measurements import Data, Measurement
 from linkedplane_ros.fit.parameters import build_space
 
 CASE_STUDY = {'flexion': 80, 'abduction': 90, 'scaption': 60}  # deg, by tens: 26 poses

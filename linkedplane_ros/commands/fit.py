@@ -22,9 +22,9 @@ from .progress import ProgressBar
 if TYPE_CHECKING:
     from ..fit.checkpoint import Checkpoint
     from ..fit.criterion import Criterion
-    from ..fit.data import Data
     from ..fit.files import Files
     from ..fit.fitting import FitResult, Plan, Progress, Search
+    from ..fit.measurements import Data
     from ..fit.report import Outcome
     from ..fit.survey import Survey
 

@@ -22,8 +22,8 @@ from ..joints.conventions import THESIS_CONVENTION
 from ..linked_planes.layout import band_count
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats, Interval
-from .data import Data
 from .kernel import evaluate
+from .measurements import Data
 from .space import Space, pack_definition
 
 MM = 1e3  # millimetres in a metre

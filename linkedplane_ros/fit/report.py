@@ -14,7 +14,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats
 from .criterion import MM, Criterion, States
-from .data import Data
+from .measurements import Data
 from .survey import Survey
 
 AT_BOUND = 1e-3  # of the way between the bounds

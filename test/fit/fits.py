@@ -10,7 +10,8 @@ import numpy as np
 from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.fit.data import Data, Measurement, find_band
+from linkedplane_ros.fit.data import find_band
+from linkedplane_ros.fit.measurements import Data, Measurement
 from linkedplane_ros.solver.interference import depths
 from linkedplane_ros.solver.states import MuscleStates
 

@@ -15,7 +15,7 @@ from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights, pose_grid
-from linkedplane_ros.fit.data import Data, Measurement
+from linkedplane_ros.fit.measurements import Data, Measurement
 from linkedplane_ros.fit.parameters import build_space
 from linkedplane_ros.fit.space import Space
 from linkedplane_ros.solver.states import MuscleState

@@ -10,7 +10,8 @@ import pytest
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.fit.data import Data, read_data
+from linkedplane_ros.fit.data import read_data
+from linkedplane_ros.fit.measurements import Data
 
 DELTOID = BroadMuscle.load('deltoid')
 ACKLAND = Path(__file__).parents[3] / 'shared/literature/ackland2008_deltoid_moment_arms.csv'
