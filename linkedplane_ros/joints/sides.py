@@ -12,6 +12,8 @@ from ..errors import LinkedPlaneError
 from ..types import Floats
 
 SIDES = ('right', 'left')
+AXIS_SIGN = {'right': 1.0, 'left': -1.0}
+"""What y and z of the right side's axes and moments are multiplied by, for those of a side."""
 _POINTS: Floats = np.array([-1.0, 1.0, 1.0])
 _AXES: Floats = -_POINTS
 

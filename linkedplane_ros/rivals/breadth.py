@@ -37,7 +37,7 @@ from ..linked_planes.band import INSIDE, MISSED, WRAPPED
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleStates
-from ..types import Floats
+from ..types import Bools, Floats
 from .bands import Bands, BandStates
 from .methods import Method, methods
 from .sweeps import (
@@ -157,20 +157,20 @@ def measure(muscle: BroadMuscle, method: Method, motion: str, sweeps: Sequence[F
         spacing_most=float(gaps.max()),
         breadth_least=float(wide.min()),
         breadth_most=float(wide.max()),
-        crossed=share(are_crossed(places, directions, lines).any(axis=(1, 2))),
+        crossed=true_share(are_crossed(places, directions, lines).any(axis=(1, 2))),
         move=float(moves[neighbours].max()),
         slip=float(np.quantile(speeds, USUAL)),
         length_jump=largest_jump(*given, unexplained_changes),
         moment_jump=largest_jump(*given, moment_changes),
-        wrapped=share(states.wrap == WRAPPED),
-        missed=share(states.wrap == MISSED),
-        inside=share(states.wrap == INSIDE),
-        in_bone=share(depth > 0.0),
+        wrapped=true_share(states.wrap == WRAPPED),
+        missed=true_share(states.wrap == MISSED),
+        inside=true_share(states.wrap == INSIDE),
+        in_bone=true_share(depth > 0.0),
         deepest=float(depth.max()),
     )
 
 
-def share(which: Any) -> float:
+def true_share(which: Any) -> float:
     """Return the share of an array that is true."""
     return float(np.mean(which))
 
@@ -218,7 +218,7 @@ def spacing(places: Floats) -> Floats:
     return np.asarray(np.linalg.norm(np.diff(places, axis=-2), axis=-1))
 
 
-def are_crossed(places: Floats, directions: Floats, lines: Floats) -> npt.NDArray[np.bool_]:
+def are_crossed(places: Floats, directions: Floats, lines: Floats) -> Bools:
     """Return whether neighbours (m, f, n - 1) stand in reverse order between their attachments.
 
     From the steps from a band to its neighbour, there and at both ends, only what is across the two
@@ -271,7 +271,7 @@ def changes_with_paths(states: States, changes: npt.NDArray[Any]) -> Floats:
 
 def largest_jump(
     solver: LinkedPlaneSolver | Bands, rotations: Floats, states: States, turns: Floats,
-    neighbours: npt.NDArray[np.bool_], change: Change,
+    neighbours: Bools, change: Change,
 ) -> float:  # fmt: skip
     """Return what is left of the largest changes as their two poses come together.
 

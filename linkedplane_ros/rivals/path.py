@@ -25,7 +25,7 @@ from ..linked_planes.vectors import (
     times,
     turned,
 )
-from ..solver.kernels import SOLVED
+from ..solver.kernels import SOLVED, Outcome
 
 Row = list[float]
 
@@ -142,7 +142,7 @@ def write_arcs(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None:
 
 PathOf = Callable[[Row, Rotation], Path]
 ArcsOf = Callable[[Row, Rotation, Path, Any], None]
-Kernel = Callable[..., tuple[int, int, int]]
+Kernel = Callable[..., Outcome]
 
 
 def make_kernel(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> Kernel:
@@ -159,12 +159,10 @@ def make_kernel(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> Kernel:
         states: Any,
         contacts: Any,
         arcs: Any,
-    ) -> tuple[int, int, int]:
+    ) -> Outcome:
         """Fill in the bands (n) at the poses from start to stop.
 
         Moments are (m, 3 n); arcs, as `write_arcs` has them, (m, n, k), or (m, n, 0) for none.
-        Returns as `kernels.solve_poses`: the first pose that is no rotation and why, or stop,
-        SOLVED and 0.
         """
         for k in range(start, stop):
             rotation = matrix_rows(rotations[k])

@@ -11,14 +11,10 @@ import numpy.typing as npt
 
 from ..linked_planes.compiled import COMPILED
 from ..types import Floats
-from .kernels import SOLVED
+from .kernels import SOLVED, Outcome
 
 PARALLEL_FROM = 512  # poses: below this, threads cost more than they give
 BLOCK = 1000  # poses that are lists at a time, uncompiled
-
-Outcome = tuple[int, int, int]
-"""Of a kernel over poses: the first that has no answer, why, and which band is at fault; or how
-many there are, SOLVED and 0."""
 
 
 def run_kernel(

@@ -17,6 +17,10 @@ from ..linked_planes.vectors import cross, mix, norm, plus, times
 
 SOLVED, NO_PLANE = PROPER, 4  # beside the faults of rotations
 
+Outcome = tuple[int, int, int]
+"""Of a kernel over poses: the first that has no answer, why, and which band is at fault; or where
+it stopped, SOLVED and 0."""
+
 
 @entry
 def solve_poses(
@@ -29,12 +33,8 @@ def solve_poses(
     lengths: Any,
     moments: Any,
     states: Any,
-) -> tuple[int, int, int]:
-    """Fill in the states of the poses from start to stop.
-
-    Returns the first pose that has none, why (NO_PLANE or a fault of its rotation), and for
-    NO_PLANE which band; or stop, SOLVED and 0.
-    """
+) -> Outcome:
+    """Fill in the states of the poses from start to stop."""
     for k in range(start, stop):
         rotation = matrix_rows(rotations[k])
         fault = rotation_fault(rotation)
@@ -66,11 +66,11 @@ def answer(
     states: Any,
     arms: Any,
     lengthening: Any,
-) -> tuple[int, int, int]:
-    """Fill in all that the node answers to one triple of angles; return as `solve_poses`.
+) -> Outcome:
+    """Fill in all that the node answers to one triple of angles.
 
-    The rotation is (1, 3, 3), lengths, moments and states have a leading 1; mirror is -1 for
-    the left shoulder, whose axes and moments are (x, -y, -z).
+    The rotation is (1, 3, 3), lengths, moments and states have a leading 1; mirror is
+    AXIS_SIGN of the side.
     """
     turn_in_sequence(units, mix, angles, rotation[0], axes)
     done = solve_poses(muscle, neutral, rotation, 0, 1, theta, lengths, moments, states)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import FAULTS, as_matrices, as_matrix
-from ..joints.sides import check_side, mirror_axes, mirror_points
+from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
 from ..linked_planes.compiled import COMPILED
 from ..linked_planes.layout import pack_muscle
 from ..muscle.broad_muscle import BroadMuscle
@@ -56,7 +56,7 @@ class LinkedPlaneSolver:
         check_side(side)
         self.muscle = muscle
         self.side = side
-        self._flat = flat(muscle)
+        self._flat = pack_broad_muscle(muscle)
         self._neutral = 0.0
         neutral = self.solve(np.eye(3))
         neutral.paths()
@@ -146,7 +146,7 @@ class LinkedPlaneSolver:
             *convention.units_and_mix,
             as_triple('angles', angles, 'rad'),
             as_triple('speeds', speeds, 'rad/s'),
-            -1.0 if self.side == 'left' else 1.0,
+            AXIS_SIGN[self.side],
             rotation,
             axes,
             theta,
@@ -220,7 +220,7 @@ class LinkedPlaneSolver:
         return mirror_points(points) if self.side == 'left' else points
 
 
-def flat(muscle: BroadMuscle) -> Any:
+def pack_broad_muscle(muscle: BroadMuscle) -> Any:
     """Return the muscle as the kernels read it: an array compiled, a list, faster, if not."""
     numbers = pack_muscle(
         muscle.reference_normal,
