@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from .. import __version__
+from ..errors import LinkedPlaneError
 from . import fit, info, play, plot, process, solve, study
 
 COMMANDS = {
@@ -56,7 +57,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         options.run(options)
         sys.stdout.flush()
-    except ValueError as error:
+    except LinkedPlaneError as error:
         print(f'linkedplane: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
 from .progress import ProgressBar
 from .values import add_muscle, add_scale, add_side, positive_count, positive_number, sign
 
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_angles(angles: argparse._ArgumentGroup) -> None:
     # fmt: off
     add = angles.add_argument
-    add('--convention', choices=tuple(JOINT_CONVENTIONS), default='flexion_abduction_rotation',
+    add('--convention', choices=tuple(JOINT_CONVENTIONS), default=THESIS_CONVENTION.name,
         help='the joint convention: what the angles mean (default: %(default)s)')
     add('--joints', nargs=3, metavar='NAME',
         help="the three joints or columns, in the convention's order (default: its coordinates)")

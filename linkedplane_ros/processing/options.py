@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..joints.joint_state import JointMap
 from ..recordings.poses import BoneFrames
 
@@ -30,7 +30,7 @@ class Options:
     scale: str = '1'
     """The subject's size, as BroadMuscle.scaled takes it."""
     side: str = 'right'
-    convention: str = 'flexion_abduction_rotation'
+    convention: str = THESIS_CONVENTION.name
     joints: Sequence[str] | None = None
     """The joints or columns of the convention's coordinates; None: of the same names."""
     signs: Sequence[float] | None = None
