@@ -24,7 +24,7 @@ import recordings
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.markdown import markdown_table
-from linkedplane_ros.linked_planes.compiled import COMPILED
+from linkedplane_ros.linked_planes.compilation import COMPILED
 from linkedplane_ros.rivals.cost import best_times
 from linkedplane_ros.solver import linked_plane_solver as solver
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,7 @@ nitpick_ignore_regex = [
     ('py:class', r'linkedplane_ros\.\w+\..*'),
 ]
 
-html_theme = 'furo'
+html_theme = 'furo' if find_spec('furo') else 'alabaster'
 html_theme_options: dict[str, str] = {}
 html_static_path = ['static']
 html_css_files = ['pages.css']

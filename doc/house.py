@@ -54,10 +54,7 @@ def imports(file: Path) -> Iterator[Import]:
     """Yield every import of a file; ours by their full name, without the dots of relative ones."""
     package = file.parts[file.parts.index(SOURCES.name) :][:-1]
     tree = ast.parse(file.read_text(encoding='utf-8'))
-    at_once = set(tree.body)
-    for statement in tree.body:
-        if isinstance(statement, ast.Try):
-            at_once |= set(statement.body)
+    at_once = set(loaded_with(tree))
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -71,6 +68,15 @@ def imports(file: Path) -> Iterator[Import]:
             yield Import(file, node.lineno, name, node in at_once)
 
 
+def loaded_with(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the statements that are run when a module is loaded; not what is for type checkers."""
+    for child in ast.iter_child_nodes(node):
+        for_types = isinstance(child, ast.If) and 'TYPE_CHECKING' in ast.unparse(child.test)
+        if not for_types and not isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            yield child
+            yield from loaded_with(child)
+
+
 def is_of_ros(name: str) -> bool:
     """Return whether a library is one of ROS: rclpy, launch, or messages."""
     return name in {'launch', 'rclpy'} or name.endswith(('_msgs', '_interfaces', '_ros'))
@@ -78,12 +84,14 @@ def is_of_ros(name: str) -> bool:
 
 def faults(sources: Path = SOURCES) -> Iterator[str]:
     """Yield a line for each import that breaks the rules."""
-    order = list(PACKAGES)
-    for folder in sources.iterdir():
-        if folder.is_dir() and any(folder.rglob('*.py')) and folder.name not in order:
-            yield f'{folder.name}: a package that doc/house.py does not know'
+    order = [*ROOT, *PACKAGES]
+    for entry in sources.iterdir():
+        python = entry.suffix == '.py' or (entry.is_dir() and any(entry.rglob('*.py')))
+        if python and entry.stem not in (*order, '__init__'):
+            yield f'{entry.name}: a package or module that doc/house.py does not know'
     for package in order:
-        for file in sorted((sources / package).rglob('*.py')):
+        root = sources / f'{package}.py'  # of the modules in the root
+        for file in [root] if root.is_file() else sorted((sources / package).rglob('*.py')):
             for found in imports(file):
                 where = f'{file.relative_to(sources.parent)}:{found.line}: {package} imports'
                 library, *path = found.name.split('.')

@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import LinkedPlaneError
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.validity import check_topic_name
-from ..solver.check import DEFAULT_RANGE
+from ..solver.range_check import DEFAULT_RANGE
 from .fit_arguments import add_arguments
 from .progress import ProgressBar
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..fit.files import Files
     from ..fit.fitting import FitResult, Plan, Progress, Search
     from ..fit.measurements import Data
-    from ..fit.report import Outcome
+    from ..fit.report import FinishedFit
     from ..fit.survey import Survey
 
 __all__ = ['add_arguments', 'run']
@@ -121,9 +121,9 @@ def _describe_outcome(
     data: Data,
     criterion: Criterion,
     result: FitResult,
-) -> Outcome:
+) -> FinishedFit:
     """Return what a fit has done, with surveys of the range of motion."""
-    from ..fit.report import Outcome, Stage
+    from ..fit.report import FinishedFit, Stage
     from ..fit.survey import survey_range
 
     muscle, survey_before = before
@@ -141,7 +141,7 @@ def _describe_outcome(
     words = [word for word in args.words if word not in ('--resume', '--force')]
     command = 'linkedplane ' + shlex.join(words)
     start = criterion.space.start
-    return Outcome(
+    return FinishedFit(
         command, data, criterion, muscle, build_fitted(result.best), start, survey_before, stages
     )
 
@@ -193,7 +193,7 @@ def _search(
             raise
 
 
-def _print_summary(outcome: Outcome) -> None:
+def _print_summary(outcome: FinishedFit) -> None:
     """Print what the fit has done."""
     from ..fit.report import mean_deviation, names_at_bounds
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..joints.conventions import JOINT_CONVENTIONS
-from .values import (
+from .argument_types import (
     finite_number,
     non_negative_number,
     positive_count,

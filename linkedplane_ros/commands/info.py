@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..muscle.broad_muscle import BroadMuscle
-from .values import add_scale
+from .argument_types import add_scale
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

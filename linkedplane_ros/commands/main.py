@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from .. import __version__
-from ..errors import LinkedPlaneError
 from . import fit, info, play, plot, process, solve, study
 
 COMMANDS = {
@@ -57,7 +56,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         options.run(options)
         sys.stdout.flush()
-    except LinkedPlaneError as error:
+    except ValueError as error:  # ours, or a library's for what it found in a file
         print(f'linkedplane: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:

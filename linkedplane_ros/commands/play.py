@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..errors import LinkedPlaneError
-from .values import non_negative_number, positive_count, positive_number
+from .argument_types import non_negative_number, positive_count, positive_number
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

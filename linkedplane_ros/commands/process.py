@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
+from .argument_types import add_muscle, add_scale, add_side, positive_count, positive_number, sign
 from .progress import ProgressBar
-from .values import add_muscle, add_scale, add_side, positive_count, positive_number, sign
 
 if TYPE_CHECKING:
     from ..processing.task import Report

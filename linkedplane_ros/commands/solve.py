@@ -15,7 +15,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleState, WrapState
 from ..types import Floats
-from .values import add_muscle, add_scale, add_side
+from .argument_types import add_muscle, add_scale, add_side
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .values import add_muscle
+from .argument_types import add_muscle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

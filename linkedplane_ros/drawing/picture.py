@@ -11,8 +11,8 @@ import numpy as np
 from ..errors import ModelError
 from ..joints.conventions import THESIS_CONVENTION
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.check import DEFAULT_RANGE, describe_pose
 from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.range_check import DEFAULT_RANGE, describe_pose
 from ..solver.states import MuscleState, WrapState
 from ..types import Floats
 from .colours import head_colours, sphere_colours

@@ -13,12 +13,12 @@ from ..drawing.colours import HEAD_COLOURS
 from ..drawing.figure_files import house_style, write_figure
 from ..types import Colour
 from .criterion import MM
-from .report import Outcome, mean_deviation
+from .report import FinishedFit, mean_deviation
 
 WIDTH, HEIGHT = 2.6, 2.2  # of a panel, inches
 
 
-def draw_fit(outcome: Outcome, file: Path) -> None:
+def draw_fit(outcome: FinishedFit, file: Path) -> None:
     """Write the picture as PNG: rows lengths and moment arms, columns motions, colours parts.
 
     RecordingError if it cannot be written, or matplotlib is not there.
@@ -48,7 +48,7 @@ def draw_fit(outcome: Outcome, file: Path) -> None:
         write_figure(figure, file, 'png')
 
 
-def draw_trade_off(outcome: Outcome, file: Path) -> None:
+def draw_trade_off(outcome: FinishedFit, file: Path) -> None:
     """Write the mean deviations over how deep bands enter the spheres, stage by stage, as PNG.
 
     RecordingError if it cannot be written, or matplotlib is not there.
@@ -83,7 +83,7 @@ def draw_trade_off(outcome: Outcome, file: Path) -> None:
 
 def _draw_curves(
     axes: Any,
-    outcome: Outcome,
+    outcome: FinishedFit,
     kind: str,
     of: tuple[str, str],
     deviations: Sequence[Sequence[tuple[str, str, float, float]]],
@@ -108,7 +108,7 @@ def _draw_curves(
                   linewidth=0.9, **style)  # fmt: skip
 
 
-def _find_colours(outcome: Outcome) -> dict[str, tuple[str, Colour]]:
+def _find_colours(outcome: FinishedFit) -> dict[str, tuple[str, Colour]]:
     """Return of each part that was measured the head that it belongs to, and that one's colour."""
     muscle = outcome.after
     heads = {

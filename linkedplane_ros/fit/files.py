@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import LinkedPlaneError
 from .figure import draw_fit, draw_trade_off
-from .report import Outcome, report_text
+from .report import FinishedFit, report_text
 
 
 class Files:
@@ -56,7 +56,7 @@ class Files:
             if path.exists() and not force:
                 raise LinkedPlaneError(f'{path}: exists already; --force replaces it')
 
-    def write_outcome(self, outcome: Outcome) -> None:
+    def write_outcome(self, outcome: FinishedFit) -> None:
         """Write all results; each takes its place when the last is complete.
 
         LinkedPlaneError where one cannot be written; none is replaced then.

@@ -13,7 +13,7 @@ from typing import Any
 from ..joints.rotations import matrix_rows
 from ..linked_planes.band import PIERCED
 from ..linked_planes.chain import Band, Section, bands_at, plane_at, state_at
-from ..linked_planes.compiled import compiled, entry
+from ..linked_planes.compilation import compiled, entry
 from ..linked_planes.layout import (
     COS_PHI,
     GROUND,

@@ -33,7 +33,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class FinishedFit:
     """A fit that is done."""
 
     command: str
@@ -91,7 +91,7 @@ class Outcome:
         return kinds
 
 
-def report_text(outcome: Outcome, pictures: Mapping[str, str]) -> str:
+def report_text(outcome: FinishedFit, pictures: Mapping[str, str]) -> str:
     """Return the report; `pictures` has the names of the pictures' files by their titles."""
     lines = [f'# {outcome.title}', '', *_summary(outcome), '']
     lines += ['## Residuals', '', *_residuals(outcome), '']
@@ -103,7 +103,7 @@ def report_text(outcome: Outcome, pictures: Mapping[str, str]) -> str:
     return '\n'.join(lines)
 
 
-def _summary(outcome: Outcome) -> Iterator[str]:
+def _summary(outcome: FinishedFit) -> Iterator[str]:
     one, weights = outcome.criterion, outcome.criterion.weights
     values = [one.value(x) for x in (outcome.start, outcome.end)]
     yield f'`{outcome.command}`'
@@ -127,7 +127,7 @@ def _summary(outcome: Outcome) -> Iterator[str]:
     )
 
 
-def _residuals(outcome: Outcome) -> Iterator[str]:
+def _residuals(outcome: FinishedFit) -> Iterator[str]:
     before, after = outcome.deviations(outcome.start), outcome.deviations(outcome.end)
     for kind in before:
         if not before[kind]:
@@ -162,7 +162,7 @@ def _residual_row(
     )
 
 
-def _interference(outcome: Outcome) -> Iterator[str]:
+def _interference(outcome: FinishedFit) -> Iterator[str]:
     muscle, (_, after) = outcome.after, outcome.surveys
     yield markdown_table(('', 'before', 'after'), _interference_rows(outcome), 'lrr')
     yield ''
@@ -185,7 +185,7 @@ def _interference(outcome: Outcome) -> Iterator[str]:
         yield f'Deepest entry by band: {", ".join(bad)}.'
 
 
-def _interference_rows(outcome: Outcome) -> Iterator[tuple[str, ...]]:
+def _interference_rows(outcome: FinishedFit) -> Iterator[tuple[str, ...]]:
     """Yield what is counted, before and after."""
     muscle, surveys, measured = outcome.after, outcome.surveys, outcome.criterion.measured
     spheres = len(muscle.interference_names)
@@ -214,7 +214,7 @@ def mean_deviation(rows: Sequence[tuple[str, str, float, float]]) -> float:
     return float(np.abs([off for _, _, _, off in rows]).mean())
 
 
-def _trade_off(outcome: Outcome) -> Iterator[str]:
+def _trade_off(outcome: FinishedFit) -> Iterator[str]:
     yield 'The best model while bands were let so deep into the spheres, over the range of motion:'
     yield ''
     kinds = [kind for kind, rows in outcome.deviations(outcome.end).items() if rows]
@@ -234,7 +234,7 @@ def _entered(depths: Floats) -> str:
     return f'{count} of {depths.size}' + (f', up to {MM * depths.max():.1f} mm' if count else '')
 
 
-def _parameters(outcome: Outcome) -> Iterator[str]:
+def _parameters(outcome: FinishedFit) -> Iterator[str]:
     space = outcome.criterion.space
     bound = names_at_bounds(outcome.criterion, outcome.end)
     yield (

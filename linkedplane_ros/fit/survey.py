@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import LinkedPlaneError
 from ..joints.conventions import THESIS_CONVENTION
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.check import DEFAULT_RANGE
 from ..solver.linked_plane_solver import LinkedPlaneSolver
+from ..solver.range_check import DEFAULT_RANGE
 from ..solver.states import WrapState
 from ..types import Floats, Intervals
 from .criterion import evaluate_poses, fan_side, pose_grid, sphere_array

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import LinkedPlaneError
-from ..linked_planes.compiled import entry
+from ..linked_planes.compilation import entry
 from ..types import Floats, Interval, Triple
 from .rotations import as_rotation, rotation_about, rotation_rows
 from .sides import check_side, mirror_columns
@@ -100,15 +100,36 @@ class JointConvention:
         self, angles: npt.ArrayLike, side: str = 'right'
     ) -> tuple[Floats, Floats]:
         """Return `rotation` (always the right shoulder's) and `axes` of three angles, at once."""
-        given = np.array([as_triple('angles', angles, 'rad')])
+        given = [as_triple('angles', angles, 'rad')]
         rotations, axes = self.rotations_and_axes(given, side)
         return rotations[0], axes[0]
 
-    def rotations_and_axes(self, angles: Floats, side: str = 'right') -> tuple[Floats, Floats]:
-        """Return `rotation` and `axes` (m, 3, 3) of many angles (m, 3), finite, rad."""
+    def rotations_and_axes(
+        self, angles: npt.ArrayLike, side: str = 'right'
+    ) -> tuple[Floats, Floats]:
+        """Return `rotation` and `axes` of many angles at once.
+
+        Parameters
+        ----------
+        angles
+            (m, 3) rad; m may be 0.
+        side
+            As for `axes`.
+
+        Returns
+        -------
+        (m, 3, 3) rotations, always the right shoulder's, and (m, 3, 3) axes.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but triples of finite numbers, and for another side.
+
+        """
         check_side(side)
-        rotations, axes = np.empty((len(angles), 3, 3)), np.empty((len(angles), 3, 3))
-        for each, rotation, columns in zip(angles, rotations, axes, strict=True):
+        triples = as_triples(angles)
+        rotations, axes = np.empty((len(triples), 3, 3)), np.empty((len(triples), 3, 3))
+        for each, rotation, columns in zip(triples, rotations, axes, strict=True):
             turn_in_sequence(*self.units_and_mix, each, rotation, columns)
         if side == 'left':
             axes = mirror_columns(axes)
@@ -199,6 +220,21 @@ def as_triple(name: str, values: Any, unit: str) -> Triple:
     except (TypeError, ValueError, OverflowError):
         pass
     raise LinkedPlaneError(f'{name}: {values!r} given, 3 finite numbers in {unit} expected')
+
+
+def as_triples(angles: npt.ArrayLike) -> Floats:
+    """Return angles (m, 3), rad; LinkedPlaneError for anything but triples of finite numbers."""
+    try:
+        triples = np.asarray(angles, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise LinkedPlaneError('angles: numbers (m, 3) in rad expected') from None
+    if triples.ndim != 2 or triples.shape[1] != 3:
+        raise LinkedPlaneError(f'angles: shape {triples.shape} given, (m, 3) in rad expected')
+    wrong = np.flatnonzero(~np.isfinite(triples).all(axis=1)).tolist()
+    if wrong:
+        given = triples[wrong[0]].tolist()
+        raise LinkedPlaneError(f'angles[{wrong[0]}]: {given} given, finite numbers expected')
+    return triples
 
 
 def sine_of_singularity(axes: Floats) -> float:

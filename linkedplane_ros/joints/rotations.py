@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import LinkedPlaneError
-from ..linked_planes.compiled import compiled
+from ..linked_planes.compilation import compiled
 from ..linked_planes.vectors import Rotation, cross, dot
 from ..types import Floats
 

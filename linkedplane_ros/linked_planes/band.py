@@ -9,7 +9,7 @@ angle psi changes d by b psi and b by -d psi; everything else about the line and
 
 from math import atan2, pi, sqrt
 
-from .compiled import compiled
+from .compilation import compiled
 
 WRAPPED, CLEAR, MISSED, INSIDE = 0, 1, 2, 3
 

@@ -8,7 +8,7 @@ from math import cos, sin, sqrt
 from typing import NamedTuple
 
 from .band import CLEAR, MISSED, PIERCED, WRAPPED, length_by_plane, obstacle_kind, wrap, wrap_state
-from .compiled import compiled
+from .compilation import compiled
 from .layout import (
     GROUND_POINT,
     HUMERAL_POINT,

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..types import Floats
-from .compiled import compiled
+from .compilation import compiled
 from .vectors import Vector
 
 Muscle = list[float] | Floats

@@ -4,7 +4,7 @@ from math import acos, atan, atan2, ceil, cos, hypot, inf, pi, sin, sqrt
 
 from .band import BESIDE, PIERCED, WRAPPED, wrap_state
 from .chain import Band, Section, energy, plane_at
-from .compiled import compiled
+from .compilation import compiled
 
 LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of about its square
 EVEN = 2.0  # a plane's fastest turn with theta over its slowest, up to which it turns evenly

@@ -9,7 +9,7 @@ from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
 from .chain import Band, plane_at, state_at
-from .compiled import compiled
+from .compilation import compiled
 from .layout import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Muscle, vector
 from .vectors import (
     ZERO,

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from .band import WRAPPED, wrap
 from .chain import Band, plane_at
-from .compiled import compiled
+from .compilation import compiled
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times
 
 

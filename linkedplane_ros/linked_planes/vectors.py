@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from .compiled import compiled
+from .compilation import compiled
 
 Vector = tuple[float, float, float]
 Rotation = tuple[Vector, Vector, Vector]  # the rows of its matrix

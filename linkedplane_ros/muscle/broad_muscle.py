@@ -15,7 +15,6 @@ from ..files import replace_when_complete
 from ..types import Floats, Interval
 from . import file, scaling, writing
 from .definition import Definition, define_in_metres, expand_frame, require_frame, unit_vector
-from .mapping import YamlMapping, parse_yaml, read_text
 from .parts import COORDINATES, Head, Landmark, Sphere, whole_head
 from .scaling import Scale
 from .validity import (
@@ -27,8 +26,10 @@ from .validity import (
     check_topic_name,
     require_array,
     require_intervals,
+    require_items,
     require_text,
 )
+from .yaml_mapping import YamlMapping, parse_yaml, read_text
 
 __all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale']
 
@@ -115,12 +116,13 @@ class BroadMuscle:
         if self.licence != '':
             self._set('licence', require_text('licence', self.licence))
         for name in ('band_names', 'interference_names'):
-            self._set(name, tuple(map(str, getattr(self, name))))
+            self._set(name, require_items(name, getattr(self, name), str))
         check_names('band_names', self.band_names)
         check_distinct('interference_names', self.interference_names)
-        self._set('heads', tuple(self.heads) or (whole_head(self.name, self.band_names),))
+        heads = require_items('heads', self.heads, Head)
+        self._set('heads', heads or (whole_head(self.name, self.band_names),))
         check_heads(self.heads, self.band_names)
-        self._set('landmarks', tuple(self.landmarks))
+        self._set('landmarks', require_items('landmarks', self.landmarks, Landmark))
         check_landmarks([landmark.name for landmark in self.landmarks])
         if self.range_of_motion is not None:
             limits = require_intervals('range_of_motion', self.range_of_motion, COORDINATES)
@@ -322,8 +324,12 @@ class BroadMuscle:
         return {bands[0]: bands for bands in shared.values()}
 
     def find_head(self, band: str) -> str:
-        """Return the name of the head that a band belongs to."""
-        return next(head.name for head in self.heads if band in head.bands)
+        """Return the name of the head that a band belongs to; ModelError if it is not a band."""
+        for head in self.heads:
+            if band in head.bands:
+                return head.name
+        known = ', '.join(self.band_names)
+        raise ModelError(f'{self.name}: band {band!r} given, one of {known} expected')
 
 
 def build_muscle(content: YamlMapping) -> BroadMuscle:

@@ -10,8 +10,8 @@ from ..errors import FieldError
 from ..types import Interval
 from .definition import Definition
 from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, known_keys
-from .mapping import YamlMapping, describe_kind
 from .parts import COORDINATES, Curve, Curves, Head, Landmark, Listed, Polynomial, Span, Sphere
+from .yaml_mapping import YamlMapping, describe_kind
 
 
 @contextmanager

@@ -17,9 +17,9 @@ import numpy as np
 from ..errors import ModelError
 from ..types import Floats, Point
 from .definition import Definition, expand_frame
-from .mapping import YamlMapping, parse_yaml, read_text
 from .parts import BONES, METRES, Curve, Curves, Landmark, Listed, Sphere, multiply_point
 from .validity import JOINT_CENTRE
+from .yaml_mapping import YamlMapping, parse_yaml, read_text
 
 FORMAT = 'linkedplane_ros/subject'
 VERSION = 1

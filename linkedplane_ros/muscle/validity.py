@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from ..types import Floats, Intervals, Point
 if TYPE_CHECKING:
     from .broad_muscle import BroadMuscle
     from .parts import Head
+
+Item = TypeVar('Item')
 
 JOINT_CENTRE = 'joint_centre'  # a landmark of both bones by itself
 SHORTEST = 1e-9  # m, m^2: below, a line or a plane has no direction
@@ -54,6 +56,18 @@ def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
         raise FieldError(field, f'{twice[0]!r} appears twice; different names expected', owner)
 
 
+def require_items(field: str, values: Any, kind: type[Item]) -> tuple[Item, ...]:
+    """Return a list's items, all of one kind; FieldError for anything else."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise FieldError(field, f'{values!r:.60} given, a list expected')
+    items = tuple(values)
+    wrong = [item for item in items if not isinstance(item, kind)]
+    if wrong:
+        name = 'name' if kind is str else kind.__name__
+        raise FieldError(field, f'{wrong[0]!r:.60} given; a {name} expected')
+    return tuple(str(item) for item in items) if kind is str else items  # type: ignore[misc]
+
+
 def require_text(field: str, value: Any) -> str:
     """Return text without the blanks around it; FieldError for anything else, and for none."""
     if not isinstance(value, str) or not value.strip():
@@ -64,8 +78,9 @@ def require_text(field: str, value: Any) -> str:
 def require_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '') -> Floats:
     """Return a copy as an array of finite numbers of this shape; FieldError for anything else."""
     try:
-        # None, too, is no number: NumPy alone would take it for NaN
-        array = np.array('' if value is None else value, dtype=np.float64)
+        if np.asarray(value).dtype.kind not in 'biuf':  # NumPy also reads text, and None as NaN
+            raise TypeError
+        array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         given = f'{value!r:.60}'.split('\n')[0]
         reason = f'{given} given, finite numbers of shape {shape} expected'

@@ -10,8 +10,8 @@ import yaml
 from ..errors import ModelError
 from .definition import Definition
 from .keys import FORMAT, VERSION, known_keys
-from .mapping import YamlMapping
 from .parts import COORDINATES, Curve, Curves, Listed, Span
+from .yaml_mapping import YamlMapping
 
 GEOMETRY = ('origin', 'insertion', 'sphere', 'plane_angle', 'reference_normal')
 

@@ -26,7 +26,7 @@ from sensor_msgs.msg import JointState
 
 from ..errors import LinkedPlaneError
 from ..joints.joint_state import JointMemory, Rejected
-from ..linked_planes.compiled import COMPILED
+from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
 from .outputs import THROTTLE, MuscleOutputs

@@ -16,7 +16,7 @@ from ..drawing.shapes import RateLimiter
 from ..errors import LinkedPlaneError
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import Rejected
-from ..linked_planes.compiled import COMPILED
+from ..linked_planes.compilation import COMPILED
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleState
 from ..types import Triple

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ..errors import LinkedPlaneError
 from ..joints.rotations import FAULTS, as_matrices, as_matrix
-from ..linked_planes.compiled import COMPILED
+from ..linked_planes.compilation import COMPILED
 from ..linked_planes.vectors import Vector
 from ..solver.batches import run_kernel
 from ..solver.kernels import SOLVED

@@ -15,7 +15,7 @@ from math import atan2, cos, pi, sin, sqrt
 from typing import NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
-from ..linked_planes.compiled import compiled
+from ..linked_planes.compilation import compiled
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
 from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, path_round, tube_at
 from .fields import Turn

@@ -15,7 +15,7 @@ from math import atan2, sqrt
 from typing import NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..linked_planes.compiled import compiled
+from ..linked_planes.compilation import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
 from .bands import PathModel

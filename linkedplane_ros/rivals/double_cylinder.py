@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..linked_planes.compiled import compiled
+from ..linked_planes.compilation import compiled
 from ..linked_planes.vectors import Rotation, Vector, dot, minus, mix, norm
 from .cylinder import (
     CYLINDER_SIZE,

@@ -11,7 +11,7 @@ from math import cos, sin
 from typing import Any, NamedTuple
 
 from ..joints.rotations import PROPER, matrix_rows, rotation_fault
-from ..linked_planes.compiled import compiled, entry
+from ..linked_planes.compilation import compiled, entry
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import (
     Rotation,

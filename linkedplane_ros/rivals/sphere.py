@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
-from ..linked_planes.compiled import compiled
+from ..linked_planes.compilation import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, times
 from .bands import PathModel

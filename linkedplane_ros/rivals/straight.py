@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..linked_planes.band import CLEAR, WRAPPED
-from ..linked_planes.compiled import compiled
+from ..linked_planes.compilation import compiled
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import Rotation, Vector, cross, minus, norm, times, turned
 from .bands import PathModel

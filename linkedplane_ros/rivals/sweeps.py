@@ -7,7 +7,7 @@ import numpy as np
 from ..joints.conventions import THESIS_CONVENTION
 from ..joints.rotations import rotation_about
 from ..muscle.broad_muscle import BroadMuscle
-from ..solver.check import DEFAULT_RANGE
+from ..solver.range_check import DEFAULT_RANGE
 from ..types import Floats
 
 STEP = np.radians(0.5)  # at most, of the humerus between neighbouring poses

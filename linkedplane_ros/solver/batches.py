@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from ..linked_planes.compiled import COMPILED
+from ..linked_planes.compilation import COMPILED
 from ..types import Floats
 from .kernels import SOLVED, Outcome
 

@@ -9,7 +9,7 @@ from ..joints.conventions import turn_in_sequence
 from ..joints.rotations import PROPER, matrix_rows, rotation_fault
 from ..linked_planes.band import WRAPPED, wrap
 from ..linked_planes.chain import bands_at, plane_at
-from ..linked_planes.compiled import compiled, entry
+from ..linked_planes.compilation import compiled, entry
 from ..linked_planes.layout import Muscle, band_count, band_vectors
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state

@@ -17,7 +17,7 @@ from ..errors import LinkedPlaneError
 from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import FAULTS, as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
-from ..linked_planes.compiled import COMPILED
+from ..linked_planes.compilation import COMPILED
 from ..linked_planes.layout import pack_muscle
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
-from .check import check_model
 from .linked_plane_solver import LinkedPlaneSolver
+from .range_check import check_model
 from .states import WrapState
 
 

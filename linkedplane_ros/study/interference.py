@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.file import read_interference_spheres
-from ..muscle.mapping import parse_yaml, read_text
 from ..muscle.parts import METRES
+from ..muscle.yaml_mapping import parse_yaml, read_text
 from ..solver.interference import depths
 from ..types import Floats, Point
 from .experiments import Experiment

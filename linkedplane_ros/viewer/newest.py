@@ -65,9 +65,9 @@ class MuscleInfo:
         coordinates = coordinates or convention.coordinates
         names = [name for name in parameters.get('joint_names', ()) if name]
         joints = JointMap(
-            as_triple(names or coordinates),
-            as_triple(parameters.get('joint_signs', (1.0, 1.0, 1.0))),
-            as_triple(parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
+            unpack_three(names or coordinates),
+            unpack_three(parameters.get('joint_signs', (1.0, 1.0, 1.0))),
+            unpack_three(parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
         )
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
@@ -84,7 +84,7 @@ class MuscleInfo:
         return MuscleInfo(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
 
 
-def as_triple(items: Sequence[Any]) -> Any:
+def unpack_three(items: Sequence[Any]) -> Any:
     """Return three items as a tuple."""
     first, second, third = items
     return first, second, third

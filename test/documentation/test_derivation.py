@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.linked_planes import least_length as search
 from linkedplane_ros.linked_planes.chain import bands_at
-from linkedplane_ros.linked_planes.compiled import COMPILED
+from linkedplane_ros.linked_planes.compilation import COMPILED
 
 TOP = Path(__file__).parents[2]
 PAGE = (TOP / 'doc' / 'explanation' / 'derivation.md').read_text()

@@ -12,7 +12,7 @@ from fits import deepest, numbered_backwards
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.fit.criterion import pose_grid
 from linkedplane_ros.fit.survey import STEPS, survey_range
-from linkedplane_ros.solver.check import DEFAULT_RANGE
+from linkedplane_ros.solver.range_check import DEFAULT_RANGE
 
 DELTOID = BroadMuscle.load('deltoid')
 

@@ -1,12 +1,15 @@
 """Joint conventions: the interface's table, its axes, and what is refused."""
 
+import math
+from typing import Any
+
 import numpy as np
 import pytest
 from convention_angles import ANGLES, rotation_about
 from reference import Array
 from scipy.spatial.transform import Rotation
 
-from linkedplane_ros import JOINT_CONVENTIONS
+from linkedplane_ros import JOINT_CONVENTIONS, LinkedPlaneError
 
 EXACT = 1e-12  # entries of a rotation matrix: rounding of a few products
 ELEVATING = ('isb_yxy', 'opensim_tsm', 'opensim_mobl', 'rep155')
@@ -123,3 +126,14 @@ def test_a_rotation_of_another_shape_is_refused(rotation: Array) -> None:
 def test_an_unknown_side_is_refused() -> None:
     with pytest.raises(ValueError, match="side: 'up' given, 'right' or 'left' expected"):
         JOINT_CONVENTIONS['isb_yxy'].axes([0.0, 0.0, 0.0], side='up')
+
+
+@pytest.mark.parametrize(
+    'angles',
+    [[[0.1, 0.2]], [0.1, 0.2, 0.3], [[0.1, 0.2, math.nan]], [['a', 'b', 'c']], [[0.1], [0.2, 0.3]]],
+    ids=['two', 'not in rows', 'nan', 'text', 'ragged'],
+)
+def test_what_are_no_triples_of_angles_is_refused_in_one_line(angles: Any) -> None:
+    with pytest.raises(LinkedPlaneError, match=r'^angles') as refused:
+        JOINT_CONVENTIONS['isb_yxy'].rotations_and_axes(angles)
+    assert '\n' not in str(refused.value)

@@ -19,13 +19,13 @@ from linkedplane_ros.joints.sides import (
 )
 
 ROTATIONS = Rotation.random(20, np.random.default_rng(5)).as_matrix()
-MIRROR = np.diag((-1.0, 1.0, 1.0))
+REFLECTION = np.diag((-1.0, 1.0, 1.0))
 POINTS = np.random.default_rng(6).normal(size=(20, 3))
 
 
 def test_a_turned_point_mirrored_is_the_mirrored_point_turned_the_mirrored_way() -> None:
     for R, point in zip(ROTATIONS, POINTS, strict=True):
-        np.testing.assert_array_equal(mirror_rotation(R), MIRROR @ R @ MIRROR)
+        np.testing.assert_array_equal(mirror_rotation(R), REFLECTION @ R @ REFLECTION)
         np.testing.assert_allclose(
             mirror_points(R @ point), mirror_rotation(R) @ mirror_points(point), rtol=0, atol=1e-15
         )

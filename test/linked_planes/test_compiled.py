@@ -15,7 +15,7 @@ pytestmark = requires('numba')
 
 HOUSE = Path(__file__).parents[2] / 'linkedplane_ros'
 KERNEL = """
-from .compiled import entry
+from .compilation import entry
 
 @entry
 def doubled(x):
@@ -52,7 +52,7 @@ def installed(tmp_path: Path) -> Path:
     package.mkdir(parents=True)
     (package / '__init__.py').touch()
     (package / 'kernel.py').write_text(KERNEL)
-    shutil.copy(HOUSE / 'linked_planes' / 'compiled.py', package)
+    shutil.copy(HOUSE / 'linked_planes' / 'compilation.py', package)
     return package.parent
 
 
@@ -80,7 +80,7 @@ def test_with_nowhere_to_keep_it_a_kernel_is_compiled_every_time(
 
 
 CALLED = """
-from .compiled import compiled
+from .compilation import compiled
 
 @compiled
 def factor():
@@ -88,7 +88,7 @@ def factor():
 """
 BETWEEN = """
 from .called import factor
-from .compiled import compiled
+from .compilation import compiled
 
 @compiled
 def total(x):
@@ -97,7 +97,7 @@ def total(x):
 SCALE = 'SCALE = {}'
 CALLING = """
 from .between import total
-from .compiled import entry
+from .compilation import entry
 from .scale import SCALE
 
 def make_kernel(called):

@@ -13,7 +13,7 @@ from ros_harness import ANSWERS, NodeProcess, Peer
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.muscle.file import bundled_models
 from linkedplane_ros.muscle.parts import Listed, Polynomial
-from linkedplane_ros.solver.check import check_model
+from linkedplane_ros.solver.range_check import check_model
 
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 EXAMPLES = ('example_shared_sphere', 'example_humerus_spheres')

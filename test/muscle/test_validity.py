@@ -116,6 +116,31 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ('change', 'start'),
+    [
+        ({'heads': ('anterior',)}, "heads: 'anterior' given; a Head expected"),
+        ({'landmarks': 5}, 'landmarks: 5 given, a list expected'),
+        ({'band_names': None}, 'band_names: None given, a list expected'),
+        ({'band_names': list(range(9))}, 'band_names: 0 given; a name expected'),
+        ({'interference_names': 'abc'}, "interference_names: 'abc' given, a list expected"),
+        ({'sphere_radii': ['0.1'] * 9}, 'sphere_radii: '),
+        ({'origins': DELTOID.origins + 0j}, 'origins: '),
+    ],
+)
+def test_a_field_of_another_kind_is_named(change: dict[str, Any], start: str) -> None:
+    with pytest.raises(ModelError) as caught:
+        replace(DELTOID, **change)
+    assert str(caught.value).startswith(start)
+    assert '\n' not in str(caught.value)
+
+
+def test_a_head_is_found_for_bands_alone() -> None:
+    assert DELTOID.find_head('middle_1') == 'middle'
+    with pytest.raises(ModelError, match="band 'biceps' given, one of anterior_1"):
+        DELTOID.find_head('biceps')
+
+
 @pytest.mark.parametrize(('change', 'start', 'reason'), WRONG)
 def test_a_field_that_cannot_be_is_named_with_its_value_and_what_is_expected(
     change: dict[str, Any], start: str, reason: str

@@ -34,7 +34,7 @@ EXACT = 1e-12  # m: a marker holds the solver's numbers
 DELTOID = BroadMuscle.load('deltoid')
 RIGHT, LEFT = (LinkedPlaneSolver(DELTOID, side) for side in ('right', 'left'))
 STAMP = Time(sec=12, nanosec=345)
-MIRROR = (-1.0, 1.0, 1.0)
+MIRRORED = (-1.0, 1.0, 1.0)
 Array = np.ndarray
 
 
@@ -137,7 +137,7 @@ def test_a_sphere_that_bands_share_is_shown_once() -> None:
 
 @pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
 def test_an_interference_sphere_stands_where_the_thesis_has_it(side: LinkedPlaneSolver) -> None:
-    mirror = MIRROR if side is LEFT else (1.0, 1.0, 1.0)
+    mirror = MIRRORED if side is LEFT else (1.0, 1.0, 1.0)
     for _, array in states_with_markers(side):
         for k, marker in enumerate(in_namespace(array, 'interference_spheres')):
             centre = DELTOID.interference_centres[k] * mirror
@@ -218,7 +218,7 @@ def test_attachments_are_the_origins_and_the_insertions(side: LinkedPlaneSolver)
 
 @pytest.mark.parametrize('side', [RIGHT, LEFT], ids=['right', 'left'])
 def test_the_shaft_lies_along_the_humerus(side: LinkedPlaneSolver) -> None:
-    mirror = np.array(MIRROR if side is LEFT else (1.0, 1.0, 1.0))
+    mirror = np.array(MIRRORED if side is LEFT else (1.0, 1.0, 1.0))
     for state, array in states_with_markers(side):
         shaft = in_namespace(array, 'bones')[1]
         turn = shaft.pose.orientation
@@ -260,9 +260,9 @@ def test_the_left_shoulder_is_the_mirror_image_of_the_right() -> None:
             assert len(one.points) == len(other.points)
             if one.points:
                 np.testing.assert_allclose(
-                    points_array(one) * MIRROR, points_array(other), rtol=0.0, atol=EXACT
+                    points_array(one) * MIRRORED, points_array(other), rtol=0.0, atol=EXACT
                 )
-            position = point_array(one.pose.position) * MIRROR
+            position = point_array(one.pose.position) * MIRRORED
             np.testing.assert_allclose(
                 position, point_array(other.pose.position), rtol=0.0, atol=EXACT
             )

@@ -26,7 +26,7 @@ PURE = [
 PURE += [f'commands.{name}' for name in ('fit', 'info', 'main', 'plot', 'process', 'solve')]
 
 
-PURE += [f'commands.{name}' for name in ('study', 'values')]
+PURE += [f'commands.{name}' for name in ('study', 'argument_types')]
 
 
 PURE += [f'node.{name}' for name in ('parameters', 'settings', 'topics')]

@@ -15,7 +15,7 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.linked_planes.compiled import COMPILED
+from linkedplane_ros.linked_planes.compilation import COMPILED
 from linkedplane_ros.rivals import (
     Bands,
     CappedCylinder,

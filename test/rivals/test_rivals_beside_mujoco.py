@@ -20,28 +20,28 @@ STILL = np.eye(3)
 def mujoco_paths(models: list[PathModel], sides: Array | None) -> Any:
     """Return MuJoCo's tendons of single spheres or cylinders; sides (n, 3), in the bone's frame."""
     import mujoco
-    import rivals
+    from rivals import MujocoBands, format_vector
 
     bodies: dict[str, list[str]] = {'scapula': [], 'humerus': []}
     tendons = []
     for i, model in enumerate(models):
         kind = 'cylinder' if isinstance(model, Cylinder) else 'sphere'
-        axis = f'zaxis="{rivals.spaced(model.axis)}"' if isinstance(model, Cylinder) else ''
-        bodies['scapula'].append(f'<site name="p{i}" pos="{rivals.spaced(model.origin)}"/>')
-        bodies['humerus'].append(f'<site name="s{i}" pos="{rivals.spaced(model.insertion)}"/>')
+        axis = f'zaxis="{format_vector(model.axis)}"' if isinstance(model, Cylinder) else ''
+        bodies['scapula'].append(f'<site name="p{i}" pos="{format_vector(model.origin)}"/>')
+        bodies['humerus'].append(f'<site name="s{i}" pos="{format_vector(model.insertion)}"/>')
         bodies[model.bone].append(
             f'<geom name="g{i}" type="{kind}" size="{model.radius:.17g} 0.01" {axis} '
-            f'pos="{rivals.spaced(model.centre)}" mass="0" contype="0" conaffinity="0"/>'
+            f'pos="{format_vector(model.centre)}" mass="0" contype="0" conaffinity="0"/>'
         )
         side = ''
         if sides is not None:
-            bodies[model.bone].append(f'<site name="o{i}" pos="{rivals.spaced(sides[i])}"/>')
+            bodies[model.bone].append(f'<site name="o{i}" pos="{format_vector(sides[i])}"/>')
             side = f'sidesite="o{i}"'
         tendons.append(
             f'<spatial><site site="p{i}"/><geom geom="g{i}" {side}/><site site="s{i}"/></spatial>'
         )
 
-    class Paths(rivals.MujocoBands):
+    class Paths(MujocoBands):
         def __init__(self) -> None:
             self._mujoco = mujoco
             self._model = mujoco.MjModel.from_xml_string(

@@ -13,8 +13,8 @@ from reference import Array
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.commands.main import main
-from linkedplane_ros.solver.check import DEFAULT_RANGE, check_model
 from linkedplane_ros.solver.interference import depths
+from linkedplane_ros.solver.range_check import DEFAULT_RANGE, check_model
 from linkedplane_ros.solver.report import model_report
 
 DELTOID = BroadMuscle.load('deltoid')

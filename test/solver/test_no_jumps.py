@@ -15,7 +15,7 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.linked_planes.compiled import COMPILED
+from linkedplane_ros.linked_planes.compilation import COMPILED
 
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
@@ -125,7 +125,7 @@ def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
     np.save(tmp_path / 'poses.npy', poses)
     code = (
         'import numpy as np, linkedplane_ros as l\n'
-        'from linkedplane_ros.linked_planes.compiled import COMPILED\n'
+        'from linkedplane_ros.linked_planes.compilation import COMPILED\n'
         'assert not COMPILED\n'
         f'poses = np.load({str(tmp_path / "poses.npy")!r})\n'
         "s = l.LinkedPlaneSolver(l.BroadMuscle.load('deltoid')).solve_batch(poses)\n"

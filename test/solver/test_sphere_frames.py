@@ -19,7 +19,7 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.linked_planes.compiled import COMPILED
+from linkedplane_ros.linked_planes.compilation import COMPILED
 
 FRAMES = ('moving', 'ground', 'humerus')
 DELTOID = BroadMuscle.load('deltoid')
@@ -155,7 +155,7 @@ def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
     np.save(tmp_path / 'poses.npy', poses)
     code = (
         'import sys, numpy as np, linkedplane_ros as l\n'
-        'from linkedplane_ros.linked_planes.compiled import COMPILED\n'
+        'from linkedplane_ros.linked_planes.compilation import COMPILED\n'
         'assert not COMPILED\n'
         'poses = np.load(sys.argv[1])\n'
         'for file in sys.argv[2:]:\n'
