@@ -1,6 +1,6 @@
 """The tables of the pages that the code has: parameters, topics, commands, conventions, keys.
 
-    python doc/tables.py  write them anew into the README and the pages, and say into which
+    python doc/tables.py  write them again into the README and the pages, and say into which
 
 A table stands between <!-- name --> and <!-- /name -->. The tests fail where one is out of date.
 """

@@ -1,4 +1,4 @@
-"""The types that the whole package shares; each stands here alone."""
+"""The types that the whole package shares; each is defined only here."""
 
 from __future__ import annotations
 

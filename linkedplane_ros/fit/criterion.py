@@ -111,7 +111,7 @@ class Criterion:
 
     space: Space
     rotations: Floats
-    """(m, 3, 3) the poses: first those of the measurements, then those for penalties alone."""
+    """(m, 3, 3) the poses: first those of the measurements, then those only for penalties."""
     spheres: Floats
     """(k, 4) m: centres and radii of the interference spheres."""
     measured: int
@@ -143,7 +143,7 @@ class Criterion:
         weights
             Those of `Weights` by default.
         more
-            (j, 3, 3) poses where nothing was measured, for penalties alone.
+            (j, 3, 3) poses where nothing was measured, only for penalties.
 
         """
         rotations: list[Floats] = []
@@ -172,7 +172,7 @@ class Criterion:
         )
 
     def with_poses(self, more: Floats) -> Criterion:
-        """Return the criterion with further poses (j, 3, 3), for penalties alone."""
+        """Return the criterion with further poses (j, 3, 3), only for penalties."""
         return replace(self, rotations=np.concatenate((self.rotations, more)))
 
     def states(self, x: Floats) -> States | float:

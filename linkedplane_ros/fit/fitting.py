@@ -230,7 +230,7 @@ class _Work:
         states = evaluate_poses(muscle, self.watch, one.spheres, 0, one.side)
         if isinstance(states, float) or not len(self.watch):
             return False
-        each = sum((part**2).sum(axis=1) for part in one.penalties(states))
+        each = np.sum([(part**2).sum(axis=1) for part in one.penalties(states)], axis=0)
         each[list(search.added)] = 0.0
         order = np.argsort(-each, kind='stable')[:ADDED]
         worst = tuple(int(k) for k in order if each[k] > 0.0)

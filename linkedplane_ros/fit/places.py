@@ -19,7 +19,7 @@ DISTANCE = 'humeral_point'
 
 
 def free_numbers(definition: Definition) -> dict[str, float]:
-    """Return every number that can be free, by its place; of HM its distance alone."""
+    """Return every number that can be free, by its place; of HM only its distance."""
     numbers: dict[str, float] = {}
     names = place_names(definition)
     for key, curve in definition.curves().items():

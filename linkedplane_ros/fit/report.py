@@ -171,7 +171,7 @@ def _interference(outcome: FinishedFit) -> Iterator[str]:
         for name, (low, high) in zip(COORDINATES, after.ranges, strict=True)
     )
     yield (
-        f'The range of motion, {ranges} deg, is looked at on a grid of 10 deg and at random poses; '
+        f'The range of motion, {ranges} deg, is checked on a grid of 10 deg and at random poses; '
         'jumps along the three coordinates and straight ways between random poses, every 0.25 deg.'
     )
     deepest = after.depths.max(axis=0, initial=-math.inf)

@@ -25,7 +25,7 @@ from .vectors import ZERO, Rotation, Vector, blend, cross, dot, minus, mix, norm
 
 
 class Section(NamedTuple):
-    """What a band's length at one pose takes besides theta: numbers alone, m."""
+    """What a band's length at one pose takes besides theta: only numbers, m."""
 
     D: float  # |S - P|
     a: float  # the sphere's centre along u, from P

@@ -56,7 +56,7 @@ def entry(kernel: Kernel) -> Kernel:
 if COMPILED:
 
     class _Cache(FunctionCache):  # type: ignore[misc]
-        """Renewed when anything changes that a kernel uses; numba looks at its own file alone."""
+        """Renewed when anything changes that a kernel uses; numba looks only at its own file."""
 
         @cached_property
         def _sources(self) -> str:

@@ -1,4 +1,4 @@
-"""The angle theta that makes the muscle shortest, found anew for every pose (thesis App. D)."""
+"""The angle theta that makes the muscle shortest, found for each pose by itself (thesis App. D)."""
 
 from math import acos, atan, atan2, ceil, cos, hypot, inf, pi, sin, sqrt
 

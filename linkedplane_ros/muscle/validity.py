@@ -118,7 +118,7 @@ def check_heads(heads: Sequence[Head], bands: Sequence[str]) -> None:
     for head in heads:
         for band in head.bands:
             if band not in left:
-                reason = f'{band!r} is no band, or one of another head'
+                reason = f'{band!r} is not a band, or is one of another head'
                 raise FieldError(f'heads.{head.name}.bands', reason)
             left.remove(band)
     if left:

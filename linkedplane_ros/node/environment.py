@@ -48,7 +48,7 @@ def prepare() -> None:
     wanted = os.environ.get('RMW_IMPLEMENTATION') or MIDDLEWARE
     if wanted != MIDDLEWARE:
         raise SystemExit(
-            f'RMW_IMPLEMENTATION={wanted} is not installed: ROS from PyPI has {MIDDLEWARE} alone; '
+            f'RMW_IMPLEMENTATION={wanted} is not installed: ROS from PyPI has only {MIDDLEWARE}; '
             'unset RMW_IMPLEMENTATION, or source a ROS installation that has it'
         )
     if not any((folder / f'lib{MIDDLEWARE}.so').exists() for folder in folders):

@@ -22,7 +22,7 @@ JOINT_STATES = Topic(
 CLOCK = Topic(
     '/clock',
     'rosgraph_msgs/msg/Clock',
-    'Under `use_sim_time`; it dates the diagnostics alone.',
+    'Under `use_sim_time`; it dates only the diagnostics.',
     reliability='best_effort',
     depth=1,
 )

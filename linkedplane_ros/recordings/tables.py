@@ -224,7 +224,7 @@ def parse_number(line: int, name: str, cell: str) -> float:
         return float(text.replace('_', '?'))
     except ValueError:
         raise RecordingError(
-            f'{line}: column {name!r}: {text[:40]!r} is no number; one like -0.5 expected'
+            f'{line}: column {name!r}: {text[:40]!r} is not a number; one like -0.5 expected'
         ) from None
 
 

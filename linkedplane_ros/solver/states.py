@@ -44,7 +44,7 @@ class _Result:
         return all(map(_are_equal, self._values(), other._values()))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), self._values()  # the fields alone: what is drawn is drawn again
+        return type(self), self._values()  # only the fields: drawings are made again
 
     def _values(self) -> tuple[Any, ...]:
         return tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]

@@ -102,7 +102,7 @@ def test_the_measurements_of_the_literature_are_read_as_they_are() -> None:
         (BY_MOTION + 'flexion,1,back,150,,1\n', ":2: 'back' is neither a head of deltoid"),
         (BY_MOTION + 'flexion,1,middle,150,,\n', ':2: a weight of nan; 0 or more expected'),
         (BY_MOTION + 'flexion,,middle,150,,1\n', ':2: an angle is missing or not finite'),
-        (BY_MOTION + 'flexion,x,middle,150,,1\n', ":2: column 'angle_deg': 'x' is no number"),
+        (BY_MOTION + 'flexion,x,middle,150,,1\n', ":2: column 'angle_deg': 'x' is not a number"),
         (BY_MOTION + 'flexion,1,middle,,,1\n', ':2: neither a length nor a moment arm'),
         (BY_MOTION + 'flexion,1,middle,0.15,,1,2\n', ':2: 7 cells; 6 expected'),
         (BY_MOTION + 'flexion,1,middle,-150,,1\n', ':2: a length of -0.15 m; above 0 expected'),

@@ -23,7 +23,7 @@ DOCUMENT = (Path(__file__).parents[2] / 'doc' / 'reference' / 'model_format.md')
 
 # What a schema cannot tell: counts, names and values that have to suit others; nan
 BEYOND = (
-    'of the bands of the head', 'no head has', 'is no band', 'of 9 numbers expected',
+    'of the bands of the head', 'no head has', 'is not a band', 'of 9 numbers expected',
     'for each band, expected, a list of 1', 'is a polynomial in s', 'finite',
     'a radius > 0 expected', 'zero', 'the lowest, then',
 )  # fmt: skip

@@ -46,12 +46,12 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     (
         {'heads': (Head('all', ('nobody',), 'nobody'),)},
         'heads.all.bands: ',
-        "'nobody' is no band, or one of another head",
+        "'nobody' is not a band, or is one of another head",
     ),
     (
         {'heads': (ANTERIOR, MIDDLE, replace(POSTERIOR, bands=NAMES[5:], represented_by=NAMES[6]))},
         'heads.posterior.bands: ',
-        "'middle_3' is no band, or one of another head",
+        "'middle_3' is not a band, or is one of another head",
     ),
     ({'origins': 'long'}, 'origins: ', "'long' given, finite numbers of shape (9, 3) expected"),
     ({'origins': None}, 'origins: ', 'None given, finite numbers of shape (9, 3) expected'),

@@ -68,24 +68,28 @@ FAULTS = {
     'a word': (
         'm.csv',
         CSV.replace('4', 'four'),
-        "m.csv:3: column 'b': 'four' is no number; one like -0.5 expected",
+        "m.csv:3: column 'b': 'four' is not a number; one like -0.5 expected",
     ),
     'a word in a mot': ('m.mot', MOT.replace('1\t2', 'x\t2'), "m.mot:6: column 'a': 'x' is no"),
     'a decimal comma': (
         'm.csv',
         'time;a;b\n0;1;2\n1;3,5;4\n',
-        "m.csv:3: column 'a': '3,5' is no number; one like -0.5 expected",
+        "m.csv:3: column 'a': '3,5' is not a number; one like -0.5 expected",
     ),
     'a number only to Python': (
         'm.csv',
         CSV.replace('0.1', '2_0'),
         "m.csv:3: column 'time': '2_0' is",
     ),
-    'a long cell': ('m.csv', CSV.replace('4', 'x' * 999), f"column 'b': '{'x' * 40}' is no number"),
+    'a long cell': (
+        'm.csv',
+        CSV.replace('4', 'x' * 999),
+        f"column 'b': '{'x' * 40}' is not a number",
+    ),
     'lines counted within quotes': (
         'm.csv',
         'time,a,b,c\n0,1,2,"one\ntwo"\n1,2,"x\ny",3\n',
-        "m.csv:4: column 'b': 'x\\ny' is no number",
+        "m.csv:4: column 'b': 'x\\ny' is not a number",
     ),
     'a quote that does not end': ('m.csv', CSV.replace('3', '"3'), 'm.csv:3: 2 cells; 3'),
     'a quote over half the file': (
@@ -149,7 +153,7 @@ def test_the_rows_before_a_faulty_chunk_are_given(tmp_path: Path) -> None:
         ('a',), rows=2
     )
     assert next(chunks)[1].tolist() == [[1.0], [3.0]]
-    with pytest.raises(RecordingError, match=r"motion\.csv:4: column 'a': 'x' is no number"):
+    with pytest.raises(RecordingError, match=r"motion\.csv:4: column 'a': 'x' is not a number"):
         next(chunks)
 
 
