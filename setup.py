@@ -28,6 +28,7 @@ test = [
     'mypy',
     'playwright',
     'pytest',
+    'pytest-rerunfailures',
     'pytest-xdist',
     'ruff',
     'types-PyYAML',

@@ -155,6 +155,8 @@ def together(peer: Peer, *nodes: Node) -> Iterator[None]:
     """Let nodes of this process work together with a peer."""
     for node in nodes:
         peer.executor_of_its_own.add_node(node)
-    yield
-    for node in nodes:
-        peer.executor_of_its_own.remove_node(node)
+    try:
+        yield
+    finally:
+        for node in nodes:
+            peer.executor_of_its_own.remove_node(node)

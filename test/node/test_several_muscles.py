@@ -37,11 +37,13 @@ def running(muscle: Any, *readers: Peer, **given: Any) -> Iterator[MuscleStatePu
     node = MuscleStatePublisher(
         parameter_overrides=[Parameter(name, value=value) for name, value in values.items()]
     )
-    with together(readers[0], node):
-        for reader in readers:
-            reader.connect()
-        yield node
-    node.destroy_node()
+    try:
+        with together(readers[0], node):
+            for reader in readers:
+                reader.connect()
+            yield node
+    finally:
+        node.destroy_node()
 
 
 @pytest.fixture
