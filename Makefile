@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Needs only CPython 3.10 to 3.13 with venv, make and PyPI. All goes into .venv and build.
 
 PYTHON ?= python3

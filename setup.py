@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Install linkedplane_ros, with colcon or with pip."""
 
 from glob import glob

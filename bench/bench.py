@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measure the solver beside its rivals, everything in one run: a table, and build/bench.json.
 
 `make bench` runs it. Times are the best of many rounds: the machine's noise only adds.

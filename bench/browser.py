@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A real browser, without a window, that looks at the viewer: for the tests and the bench."""
 
 from __future__ import annotations

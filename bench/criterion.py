@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What one evaluation of a fit's criterion costs, beside solving its poses."""
 
 from __future__ import annotations

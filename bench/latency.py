@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Topic to topic: our node beside one that passes through, taking turns in one run.
 
 Each answer is timed in this process, from before the joint state is published to the arrival of the

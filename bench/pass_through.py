@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A node that answers every joint state with the same messages as ours, and solves nothing.
 
 What it takes is what any node in Python takes; what ours takes beyond it is the muscle.

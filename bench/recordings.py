@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Processing recordings, beside copying what comes of them, and them, with the same library."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The same bands in other people's engines, unlinked: each takes its own shortest way round.
 
 Both take n bands with spheres fixed to the ground (scapula) frame: origins, centres (n, 3) ground,

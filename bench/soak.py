@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Soak the node: 1 kHz for five minutes, markers on; every message answered, memory flat.
 
 `make soak` runs it; `make soak SECONDS=60` for less. It ends with status 1 if a bound is exceeded.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Process a recording of ten hours at 100 Hz, and print the most memory that it took.
 
 Run as `python bench/ten_hours.py [HOURS]`; ten hours need 12 GB of disk and some ten minutes.

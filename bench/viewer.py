@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Slider to drawn path: the viewer and its node, in a real browser without a window.
 
 A slider is held and moved, again and again, after a rest: the time from the pointer's move, as the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The documentation, built by Sphinx: `make docs` does so here, rosdoc2 for docs.ros.org."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The house: the packages of linkedplane_ros in the way of the data, and who imports whom.
 
     python doc/house.py              say which imports break the rules; exit status 1 if any does

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The tables of the pages that the code has: parameters, topics, commands, conventions, keys.
 
     python doc/tables.py  write them again into the README and the pages, and say into which

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Both deltoids, each in a namespace of its own, `left` and `right`, on one torso."""
 
 from launch.actions import GroupAction, IncludeLaunchDescription

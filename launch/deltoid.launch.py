@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The deltoid from joint states; optionally with a recording, RViz and a place for the scapula."""
 
 from launch.actions import ExecuteProcess

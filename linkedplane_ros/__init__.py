@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Linked-plane obstacle-set muscle paths: the deltoid from glenohumeral joint angles.
 
 The names below are the public interface; everything is in SI units, and nothing here needs ROS.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is raised for a user's mistake: each kind of fault has its class, all have one base."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Files that appear when they are complete, and files that disappear."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The types that the whole package shares; each is defined only here."""
 
 from __future__ import annotations

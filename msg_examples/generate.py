@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Write the sample messages, their expected answers and the arm-raise recording of this folder.
 
 Run it where linkedplane_ros[tools] is installed: `python msg_examples/generate.py [FOLDER]`.
@@ -48,10 +49,10 @@ def main(folder: Path) -> None:
     solver = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
     for name, pose in POSES.items():
         message, expected = build_example(solver, *pose[1:])
-        title = f'# {pose[0]} ({pose[1]}, right arm, humerus against scapula), rad and rad/s\n'
-        (folder / f'{name}.yaml').write_text(title + to_yaml(message), encoding='utf-8')
-        title = f'# the answer to {name}.yaml: SI; positive moment arms shorten with the angle\n'
-        (folder / f'{name}.expected.yaml').write_text(title + to_yaml(expected), encoding='utf-8')
+        title = f'{pose[0]} ({pose[1]}, right arm, humerus against scapula), rad and rad/s'
+        write_yaml(folder / f'{name}.yaml', title, message)
+        title = f'the answer to {name}.yaml: SI; positive moment arms shorten with the angle'
+        write_yaml(folder / f'{name}.expected.yaml', title, expected)
     write_recording(folder / 'arm_raise')
 
 
@@ -91,9 +92,10 @@ def round_values(values: Floats) -> object:
     return (np.round(values, 12) + 0.0).tolist()
 
 
-def to_yaml(content: dict[str, object]) -> str:
-    """Return content as YAML, a list a line."""
-    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=10**6)
+def write_yaml(path: Path, title: str, content: dict[str, object]) -> None:
+    """Write content as YAML, a list a line."""
+    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=10**6)
+    path.write_text(f'# SPDX-License-Identifier: Apache-2.0\n# {title}\n{text}', encoding='utf-8')
 
 
 def arm_raise_frames() -> Iterator[tuple[int, Floats, Floats]]:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Bags and tables to be processed, and what comes of them."""
 
 from __future__ import annotations

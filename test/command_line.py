@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command `linkedplane`, in this process: what it prints, its one line where it fails."""
 
 from __future__ import annotations

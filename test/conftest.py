@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What several folders share: a ROS domain of this process, its node, the recordings."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stand-ins for the launch packages, which cannot be had from PyPI: enough to see what is started.
 
 They take the arguments that the real classes take, and no others.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Marks for tests that need a library which may not be installed.
 
 A module-level `pytest.importorskip` would hide its whole module, and with ROS's launch_testing

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The method, literally and slowly: spec sections 2, 3 and 4 in plain NumPy and SciPy.
 
 Shares no formula with the package: the arc comes from acos and mod 2 pi, planes are a chain of

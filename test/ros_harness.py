@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A node in a process of its own, and a peer that feeds it and reads its topics."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Settings for property tests on a machine that may be busy: nothing in them is about time."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draw the derivation's picture: one band in its plane, along its line, and its length.
 
 Run it where linkedplane_ros[tools] is installed: `python doc/pictures/render_band.py [PNG]`.

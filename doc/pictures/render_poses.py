@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draw the first picture: the deltoid at four poses, from the markers that RViz gets.
 
 Run it where linkedplane_ros[all] is installed: `python doc/pictures/render_poses.py [PNG]`.

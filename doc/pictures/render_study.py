@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draw the pictures of the study: moment arms beside others', bands within bone.
 
 Run it where linkedplane_ros[all] is installed: `python doc/pictures/render_study.py`.

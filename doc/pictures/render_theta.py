@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draw the algorithm's picture: the fan of bands at three thetas, and its length over theta.
 
 Run it where linkedplane_ros[tools] is installed: `python doc/pictures/render_theta.py [PNG]`.

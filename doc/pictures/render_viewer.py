@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Take the pictures of the viewer from the viewer itself: four poses and an animation.
 
 Both nodes, the viewer and a browser without a window are started here. Needs chromium and the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command `linkedplane`, as `python -m linkedplane_ros.commands`."""
 
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The kinds of values that the commands take; argparse says in one line what is no such value."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The executable linkedplane_demo, also `make demo`: the demonstration."""
 
 import signal

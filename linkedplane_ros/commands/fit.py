@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`linkedplane fit`: chosen coefficients of a model, fitted to measurements."""
 
 from __future__ import annotations

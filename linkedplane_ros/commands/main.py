@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command `linkedplane`, assembled from the modules of `commands`.
 
 Exit status: 0 done, 1 the input is at fault (one line on stderr says what and where), 2 usage.

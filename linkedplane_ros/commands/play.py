@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`linkedplane play`: a recording's joint states on a ROS topic."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`linkedplane plot`: figures of a processed recording."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`linkedplane process`: recordings in, recordings with the muscle's state out."""
 
 from __future__ import annotations

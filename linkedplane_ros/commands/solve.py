@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`linkedplane solve`: the muscle at one pose."""
 
 from __future__ import annotations

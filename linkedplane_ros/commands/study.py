@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`linkedplane study`: the thesis's case study done again, with a report."""
 
 from __future__ import annotations

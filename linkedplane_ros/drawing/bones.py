@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Bones as pictures and markers show them, schematic; m."""
 
 from __future__ import annotations

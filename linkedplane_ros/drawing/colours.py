@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The colours of the heads and their bands, the same in every picture."""
 
 from __future__ import annotations

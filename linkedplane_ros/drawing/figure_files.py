@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figures by matplotlib, in the house's style, and their files.
 
 matplotlib is loaded when a figure is made; no window is opened and no global setting changed.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A picture of a muscle model: attachments, spheres and bands at three poses, from two sides."""
 
 from __future__ import annotations

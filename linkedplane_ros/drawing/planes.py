@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The bands' planes as patches to look at: rectangles from the straight line to the bulge."""
 
 from __future__ import annotations

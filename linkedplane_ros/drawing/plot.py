@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figures of a processed recording: lengths, moment arms and wrap states, a column for each head.
 
 One figure over time, one against each coordinate. They are laid out in inches, for a printed page;

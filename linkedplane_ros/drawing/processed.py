@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A processed recording as arrays: what an output of `linkedplane process` holds."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The markers of a muscle, and where they are at each state, before they are messages.
 
 Namespaces: `bands` (a line strip each, id = band), `attachments` (origins 0, insertions 1),

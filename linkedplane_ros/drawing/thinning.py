@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Long recordings with few points: what a line or a strip on a page can show."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The units that people read; everything before a picture is in m, rad and s."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The state of a fit on disk: a fit that was stopped continues as if it had not been."""
 
 from __future__ import annotations

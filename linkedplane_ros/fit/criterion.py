@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How far a model is from measurements: the thesis's criterion, equation 5.7.
 
 It is the sum of the squared deviations of lengths (mm) and of moment arms (mm) over parts, motions

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reading measured lengths and moment arms from a table (doc/how_to/fitting.md)."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pictures of a fit: what was measured, the model before and after, and the trade-off."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The files of a fit, written all or none: model, report, pictures; and its checkpoint."""
 
 from __future__ import annotations

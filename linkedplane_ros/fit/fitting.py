@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A fit from beginning to end: rounds of a swarm and its polish, to be stopped and resumed."""
 
 from __future__ import annotations

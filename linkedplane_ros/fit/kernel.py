@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The muscle at the poses of a criterion, compiled: no Python objects between poses.
 
 A muscle comes in the flat layout (linked_planes/layout.py), but with its numbers as a file has

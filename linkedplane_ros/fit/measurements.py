@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What was measured of a muscle: lengths and moment arms, and at which poses."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a fit may change: chosen numbers of a model, and where they may go.
 
 A curve of which all coefficients are free is searched by its values at as many places along the

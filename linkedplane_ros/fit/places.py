@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The places of a model file whose numbers a fit may change, and the patterns that choose them."""
 
 from __future__ import annotations

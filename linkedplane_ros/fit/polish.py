@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the swarm's best particle downhill: least squares on the criterion's residuals."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a fit has done, as Markdown: residuals, interference and bounds, in mm."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The parameters of a fit as numbers, and the muscle that they make."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A survey of a model over its range of motion: interference, order, jumps of length."""
 
 from __future__ import annotations

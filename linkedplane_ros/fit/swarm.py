@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A particle swarm in the unit box, by pymoo, whose whole state can be saved.
 
 pymoo's PSO has its own generator of random numbers: with the state below restored, the swarm

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Joint conventions: from three glenohumeral angles to a rotation, its axes, and back.
 
 A rotation takes humerus to scapula coordinates, both in the axes of the right shoulder: x lateral,

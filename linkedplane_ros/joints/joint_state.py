@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the joints of a message to the three angles of a convention, or a reason why not.
 
 No message package is needed here: a JointState is read as its names and its sequences of numbers.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Rotations as (3, 3) matrices: made about an axis, and checked before anything relies on them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The two sides of the body: the left shoulder is the mirror image of the right, x -> -x.
 
 Both frames have x to the body's right, y anterior and z superior. Each function here takes what is

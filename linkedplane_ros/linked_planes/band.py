@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One elastic band in its own plane round its own obstacle sphere (thesis ch. 4, App. B and C).
 
 Within its plane a band is described by the line from its origin P to its insertion S and by the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The linked planes at a pose: the bands, the chain of their planes, E (thesis ch. 4, App. B).
 
 Left unnormalised, every band's plane normal is a fixed combination A cos(theta) + B sin(theta) of

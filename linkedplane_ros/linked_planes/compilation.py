@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compile the solver's kernels with numba where it is installed; the same source runs without it.
 
 Setting the environment variable LINKEDPLANE_COMPILE to 0 keeps them uncompiled.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The flat layout: a muscle as one sequence of numbers, in m and rad, as the kernels read it.
 
 First the reference normal N and the points SC and HM, then BAND_SIZE numbers for each band: its

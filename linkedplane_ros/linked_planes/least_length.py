@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The angle theta that makes the muscle shortest, found for each pose by itself (thesis App. D)."""
 
 from math import acos, atan, atan2, ceil, cos, hypot, inf, pi, sin, sqrt

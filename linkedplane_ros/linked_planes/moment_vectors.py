@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Moment vectors -dL/domega of all bands, exactly (thesis eq. 5.1; spec section 4).
 
 domega is an infinitesimal rotation of the humerus about the ground axes. What a band's length does

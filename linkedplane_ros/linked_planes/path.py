@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A band's path at a solved pose, exactly: two straight parts and an arc between them, compiled."""
 
 from math import cos, inf, pi, sin, sqrt

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Three-vectors as plain tuples: what the solver's formulas are written in, compiled or not."""
 
 from math import sqrt

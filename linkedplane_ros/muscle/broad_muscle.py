@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A broad muscle: its bands, obstacle spheres and linked planes, in m and rad."""
 
 from __future__ import annotations

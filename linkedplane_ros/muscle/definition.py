@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A model as its file states it: polynomials stay polynomials, and lengths in the file's unit.
 
 A file and its definition say the same, to the bit. What the solver works with, arrays in m and rad,

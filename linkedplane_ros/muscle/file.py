@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The model file (doc/reference/model_format.md): from YAML to a definition."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The keys of a model file: what the reader knows, the JSON Schema and the documentation say."""
 
 from __future__ import annotations

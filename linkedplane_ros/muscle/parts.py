@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a definition consists of: quantities over the bands, heads, spheres, landmarks."""
 
 from __future__ import annotations

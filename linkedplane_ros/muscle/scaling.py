@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A model at a subject's size: by factors, or by what was measured on the subject.
 
 Points on a bone scale along its axes, from the centre of the joint. A sphere stays a sphere: its

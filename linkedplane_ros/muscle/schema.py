@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The JSON Schema of the model file, for editors, from the keys' description.
 
 python -m linkedplane_ros.muscle.schema  write models/broad_muscle.schema.json

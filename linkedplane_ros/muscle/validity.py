@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a broad muscle may be: a file and Python are refused here, for the same reasons."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writing a model file, to be read back to the bit; and its numbers by their places."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """YAML that people write: an error is one line with file, key and reason."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The ROS node: topics, parameters, diagnostics, messages.
 
 The way of the data: parameters -> settings; a JointState -> angles (`joints.joint_state`) -> a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The executable muscle_state_publisher, also `python -m linkedplane_ros.node`."""
 
 from .environment import prepare_executable

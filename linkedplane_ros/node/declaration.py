@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The declaration of the parameters on a ROS node, with their descriptors."""
 
 from __future__ import annotations

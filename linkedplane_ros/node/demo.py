@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demonstration: the node in a process of its own, fed over DDS from a recording."""
 
 from __future__ import annotations

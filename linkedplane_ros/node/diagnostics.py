@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The status of a muscle on /diagnostics: its level, counts and times."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Prepare the process for rclpy, or say in one line why it cannot run; called before its import.
 
 The ROS packages from PyPI find their libraries through LD_LIBRARY_PATH, which their bootstrapper

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The arguments of the launch files: declared once, those of the parameters from their table."""
 
 from __future__ import annotations

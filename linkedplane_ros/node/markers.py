@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From a muscle state to the marker messages that RViz and Foxglove show.
 
 Their shapes are those of `drawing.shapes`, their colours those of `drawing.colours`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From a muscle state to the arrays and joint states that the node publishes."""
 
 from __future__ import annotations

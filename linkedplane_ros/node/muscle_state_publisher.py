@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node muscle_state_publisher: joint states in, muscle states out.
 
 A JointState becomes three angles in `joints.joint_state`; `outputs` answers them for each muscle.

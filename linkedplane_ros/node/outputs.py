@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One muscle of the node: from three angles to its state, published on its topics."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node's parameters: their defaults, meanings and limits, for the node and its documentation.
 
 No ROS is needed here; `declaration` declares them on a node, `settings` builds what it works with.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Publish a recording's joint states at their recorded times, without ros2 bag."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The quality of service of the node's topics, overrides of it, and peers that do not fit."""
 
 from __future__ import annotations

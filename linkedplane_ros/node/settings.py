@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the values of all parameters to what the node works with: solvers, joints, markers."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node's topics: what it subscribes and publishes, for the node and for its documentation.
 
 No ROS is needed here: message types are named, as `std_msgs/msg/Float64MultiArray`.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Recordings written again with the muscle's state beside the motion.
 
 The way of the data: `inputs` finds the recordings, `options` says what is done to them, `task`

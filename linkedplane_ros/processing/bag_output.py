@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """An annotated bag: what was recorded, and the muscle's topics among it."""
 
 from __future__ import annotations

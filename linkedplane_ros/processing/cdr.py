@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The answers as a recording holds them: CDR bytes, many messages at a time, without ROS.
 
 The messages of a topic differ only in their numbers: rosbags serialises one, and the numbers of the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The markers as a recording holds them: CDR bytes, without ROS; the same as the node's."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From what a user names (files, bags, folders, patterns) to the recordings."""
 
 from __future__ import annotations

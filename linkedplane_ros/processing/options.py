@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a user may ask of the processing of recordings, and which wishes go together."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where processed recordings go: CSV, Parquet, or an annotated bag (`bag_output`).
 
 Each output is written beside its final place and moved there when it is complete.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Read a processed recording back, for plots: CSV, Parquet, or an annotated bag."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One recording: joint angles in, the same with the muscle's state beside them out.
 
 A recording is processed in chunks. Tasks share nothing; `workers` runs many.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A muscle's topics: names, types, what is on them, and the labels of their arrays.
 
 The node publishes them and `linkedplane process` records them; both, and the documentation, read

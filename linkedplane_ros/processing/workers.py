@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Many recordings: one after the other, in processes of their own, or on a Dask cluster.
 
 The results do not depend on how many are processed at a time.

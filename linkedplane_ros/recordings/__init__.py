@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 """Motion from files: bags, OpenSim's tables and CSV, as angles over time."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The motion in a ROS 2 bag: its joint states, or the poses of bones, message by message."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """JointStates out of ROS 2 recordings (rosbag2: sqlite3 and mcap), by the rosbags library."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Signals brought to another rate, filtered, and differentiated in time."""
 
 from __future__ import annotations

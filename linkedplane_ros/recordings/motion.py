@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A motion: a recording as chunks of joint angles, each with the messages around it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the poses of bones to joint angles: the humerus against the scapula, or the thorax.
 
 A pose is that of a frame fixed to the bone: its axes are the model's (x to the body's right,

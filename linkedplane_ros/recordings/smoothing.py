@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A motion filtered, or brought to another rate."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The motion in a table: three columns of angles over time."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Motion tables as laboratories have them: OpenSim's .mot and .sto, and CSV, read in chunks."""
 
 from __future__ import annotations

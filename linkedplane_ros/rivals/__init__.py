@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rivals of the linked planes as path models of single, independent bands.
 
 The straight line and via points (thesis ch. 3), and the four obstacle sets of Garner and Pandy

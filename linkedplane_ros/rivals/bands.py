@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Bands that know nothing of each other, each a path model, solved one or many at a time.
 
 All in m and rad, right shoulder, in the frames of the solver: origins in the scapula frame,

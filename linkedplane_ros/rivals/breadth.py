@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How well each method keeps a broad muscle together as the joint moves.
 
 The thesis says (ch. 1, 3 and 7) that independent bands slip off their obstacles, slip quickly round

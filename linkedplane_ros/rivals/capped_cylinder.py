@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The sphere-capped cylinder, or stub (Garner and Pandy 2000; thesis App. A).
 
 A cylinder that ends in a half sphere of its radius. Its surface has no edge, and it is convex: a

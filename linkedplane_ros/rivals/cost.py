@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a configuration costs in each method: time for all bands, lengths and moment vectors."""
 
 from __future__ import annotations

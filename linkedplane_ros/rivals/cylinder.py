@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The single cylinder (Garner and Pandy 2000): a band right-handed about the axis, on a helix.
 
 A cylinder has no ends here. Across the axis the band is a plane one round a circle; unrolled, it is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The double cylinder (Garner and Pandy 2000): two cylinders, one after the other.
 
 The band turns right-handed about each axis, and touches both, one or none. The first cylinder is

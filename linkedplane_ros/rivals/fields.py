@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a path model is made of: each kind of field with its check, and its numbers for kernels."""
 
 from __future__ import annotations

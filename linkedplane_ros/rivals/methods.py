@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rivals set up for a broad muscle: the same attachments, a band each, independent bands.
 
 No obstacles of these methods are published for the deltoid's nine bands, so they are chosen here,

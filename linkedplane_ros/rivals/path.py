@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A band's path as straight parts and arcs, and the kernels that work out many (m, scapula frame).
 
 A band is a flat row of numbers: its origin P (scapula frame), its insertion S (humerus frame), then

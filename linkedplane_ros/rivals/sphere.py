@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The single sphere (Garner and Pandy 2000; thesis ch. 3): a band in the plane of P, S and C.
 
 The plane of the attachments and the centre cuts the sphere in a great circle, and the band takes

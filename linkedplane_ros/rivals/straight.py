@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Paths without an obstacle (thesis ch. 3): a straight line, and one through via points."""
 
 from __future__ import annotations

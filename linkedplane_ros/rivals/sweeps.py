@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Motions to measure a muscle over: sweeps of poses, dense enough to miss nothing."""
 
 from __future__ import annotations

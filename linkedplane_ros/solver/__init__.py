@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 """A muscle at a pose: lengths, moment vectors, wrap states, and how deep bands enter bone."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Many poses at a time: a kernel runs in threads if that pays."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How deep the bands enter the interference spheres, and where (thesis ch. 5, Table 5.1).
 
 A band interferes where any part of its path touches or enters a sphere. The paths are taken as

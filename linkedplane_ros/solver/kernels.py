@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What Python calls of the compiled solver: poses to muscle states, and a state to its drawing."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Solve the linked-plane muscle for a pose: lengths, moment vectors, wrap states and paths.
 
 The scapula frame of the right shoulder has its origin at the glenohumeral centre, x lateral,

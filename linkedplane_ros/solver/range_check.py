@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is wrong with a model over its range of motion: warnings by band and pose."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A muscle model in words: what `linkedplane info` prints."""
 
 from __future__ import annotations

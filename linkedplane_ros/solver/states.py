@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the solver answers: the muscle at one pose, at many, and what a stream of angles needs."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where the muscle is attached: its bands, the whole span of s, and the thesis's own tables."""
 
 from __future__ import annotations

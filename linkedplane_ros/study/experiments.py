@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated experiments: lengths and moment arms over three motions (thesis ch. 5).
 
 Axes are those of the right scapula: x lateral, y anterior, z superior. Each motion starts with the

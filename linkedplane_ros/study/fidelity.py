@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How far modelled moment arms are from measured ones: ours, and those of published models.
 
 The measurements are those of Ackland et al. 2008: flexion and abduction, three heads. Differences

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which band enters which bone sphere, where and by how much (thesis ch. 5 and Table 5.1).
 
 The thesis counts as interference that any portion of a band touches or falls within a sphere. Here

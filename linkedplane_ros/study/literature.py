@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Numbers of others: measured and modelled moment arms of the deltoid, and the thesis's tables.
 
 Sources, licences and limits: linkedplane_ros/literature/README.md. The files are in mm and deg;

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A study's folder: report.md for reviewers, tables as CSV, figures as PNG.
 
 CHAPTERS is the one place where a chapter is added: a function from the subject to its title, text,

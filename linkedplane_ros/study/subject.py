@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The subject of a study: a muscle, its experiments, and which literature applies to it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The muscle in a browser: the node muscle_viewer. It shows what is published and solves nothing.
 
 The way of the data: topics (`node`) -> newest state (`newest`) -> markers, geometry and scene

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The executable muscle_viewer, also `python -m linkedplane_ros.viewer`."""
 
 from ..node.environment import prepare_executable

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The viewer: shows the newest states in the scene and the panels, once a frame."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The executable muscle_viewer: its arguments, its port, its shutdown."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The newest state of a muscle, passed from the thread of ROS to the thread that draws."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The ROS side of the viewer: finds muscles, keeps their newest state, publishes joint states."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command line: what `info` and `solve` print."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The commands at a subject's size."""
 
 from __future__ import annotations

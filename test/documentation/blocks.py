@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A reader of a page, who does what its blocks say: in order, in a folder of their own.
 
 Files that the page says to save are saved, Python and `linkedplane` run, and what they print is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The formulas of the derivation, as they stand there; the numbers in comments are the page's.
 
 Nothing here is the solver's. `reference.py` has the spec's other way to the same, without

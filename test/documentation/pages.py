@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pages that a user reads: the README, CONTRIBUTING and the documentation."""
 
 from __future__ import annotations

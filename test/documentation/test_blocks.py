@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Every block of the README and of the documentation does what it says (blocks.py)."""
 
 from __future__ import annotations

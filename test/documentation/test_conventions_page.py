@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the page of conventions says is so, besides its examples and tables."""
 
 from __future__ import annotations

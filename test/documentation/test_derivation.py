@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The derivation against the solver: its formulas (formulas.py), its tables, its figures.
 
 The numbers in comments are the page's.

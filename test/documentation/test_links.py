@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Every link of a page leads to a file, and to a heading where it names one."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pictures can be drawn again, with the names that the package has now."""
 
 from __future__ import annotations

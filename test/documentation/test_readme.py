@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The README: a sitting long, and its figures are those of the pages that it leads to."""
 
 from __future__ import annotations

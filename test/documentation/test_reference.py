@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The reference of Python has exactly the names that are public; rosdoc2 finds the pages."""
 
 from __future__ import annotations

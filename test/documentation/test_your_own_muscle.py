@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The guide to a muscle of one's own: its blocks are run, and its node answers."""
 
 from __future__ import annotations

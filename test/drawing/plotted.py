@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The deltoid over a sweep of elevations, to be plotted, and what tests read from the panels."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Tables in Markdown: one writer for reports and for the documentation."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The picture of a model: what stands in it, and how it ends."""
 
 from __future__ import annotations

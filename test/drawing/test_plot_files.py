@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The figures as files: every output is plotted, and nothing half-written stays."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The figures: they show what was given, in mm and deg, and can be read in print."""
 
 from __future__ import annotations

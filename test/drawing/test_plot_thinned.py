@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Long series are drawn with few points that keep their extremes and gaps."""
 
 from __future__ import annotations

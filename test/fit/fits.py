@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measurements simulated by the deltoid, models to start from, and options of a quick fit."""
 
 from __future__ import annotations

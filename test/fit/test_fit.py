@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fits from beginning to end: what they find, that they repeat themselves, and can be stopped."""
 
 from __future__ import annotations

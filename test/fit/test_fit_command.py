@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command `linkedplane fit`: its files, its words, and how it ends."""
 
 from __future__ import annotations

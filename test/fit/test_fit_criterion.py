@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The criterion: the thesis's sum of squares, against its definition in plain NumPy."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Tables of measurements: what they say, how they are read, and what is wrong with them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a fit leaves on disk: a report that is true, and nothing lost when it fails."""
 
 from __future__ import annotations

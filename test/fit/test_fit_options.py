@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the options of `linkedplane fit` mean: the criterion, poses and plan that they state."""
 
 from __future__ import annotations

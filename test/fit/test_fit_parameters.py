@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a fit may change: places of the model file, chosen by patterns, within bounds."""
 
 from __future__ import annotations

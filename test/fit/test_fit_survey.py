@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a model does over its range of motion: entries, order, fan, jumps."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The deltoid that was fitted to measured moment arms: what its report and its page say of it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Angles of all conventions, and rotations about an axis."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Joint conventions: the interface's table, its axes, and what is refused."""
 
 import math

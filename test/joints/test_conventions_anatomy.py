@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Joint conventions: what a positive angle does to the arm."""
 
 import numpy as np

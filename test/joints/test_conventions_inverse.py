@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Joint conventions: the angles of a rotation, also near their singularities."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the joints of a message to three angles: what is taken, what is refused, and why."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Mirror images of points, axes and rotations; rotations made and checked."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One band round its sphere, against the literal formulas and against brute force."""
 
 from typing import NamedTuple

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Kernels are compiled once and kept on disk, wherever the package is installed."""
 
 from __future__ import annotations

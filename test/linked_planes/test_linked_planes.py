@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The chain of planes and theta: the least total length, a function of the pose alone."""
 
 import numpy as np

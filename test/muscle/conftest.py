@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A model to be spoilt, and a file to write it to."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Models with something missing or wrong."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The bundled examples of the format's variations: no anatomy, but muscles that work."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A subject measured: the scale that landmarks and distances give."""
 
 from __future__ import annotations

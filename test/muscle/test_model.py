@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The model file: the published deltoid, number by number."""
 
 from typing import Any

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One line for every way a model file can be wrong."""
 
 from pathlib import Path

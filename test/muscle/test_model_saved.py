@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A model keeps what its file states: load(save(m)) == m, and polynomials stay polynomials."""
 
 from __future__ import annotations

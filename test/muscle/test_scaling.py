@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A model at a subject's size: what scales, and how."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The JSON Schema of the model file: made of the reader's keys, it refuses what the reader does."""
 
 from __future__ import annotations

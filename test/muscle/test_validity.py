@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Python refuses what the reader of a file refuses, and names field, value and what is expected."""
 
 from __future__ import annotations

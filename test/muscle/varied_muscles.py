@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Muscles that vary in all that a model file can state."""
 
 from __future__ import annotations

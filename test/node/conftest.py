@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A node of its own, for tests that neither feed nor read it."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Values that parameters refuse, and changes of the parameters of a running node."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Recordings to be played, and `linkedplane play` in a process of its own."""
 
 from __future__ import annotations

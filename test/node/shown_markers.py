@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The markers of a few poses, and what tests read from them."""
 
 from __future__ import annotations

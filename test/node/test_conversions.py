@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From a muscle state to messages: layouts, row-major data, and what a receiver reads back."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demonstration finds its recording."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the node tells of itself: its level, its counters and its times."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node in its own process, over DDS: real recordings, and input that is no good."""
 
 from __future__ import annotations

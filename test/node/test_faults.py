@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What goes wrong: odd messages, signals, publishers that die and come back."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The launch files start what they say, with names that exist."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The markers from state to state: stable keys, no old points, nothing that is not finite."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The markers: one for each thing to see, placed and coloured as the solver says."""
 
 from __future__ import annotations

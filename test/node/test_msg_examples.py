@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The sample messages and the sample recording: what their script makes, and good of their kind."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Another muscle while the node runs: its topics move, and viewers and the old one take no harm."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node's parameters changed while it runs: as a whole or not at all."""
 
 from __future__ import annotations

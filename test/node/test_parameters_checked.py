@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node's parameters: what is taken at the start, what is refused and how."""
 
 from __future__ import annotations

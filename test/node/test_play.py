@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A recording played: every message, byte by byte, in order."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What cannot be played is refused in one line that says why."""
 
 from __future__ import annotations

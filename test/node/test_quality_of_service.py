@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Peers whose quality of service does not fit are named, with the override that helps."""
 
 from __future__ import annotations

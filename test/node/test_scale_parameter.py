@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node at a subject's size, set at the start or while it runs."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Several muscles in one node: each under its own topics, none noticing that another fails."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Several nodes in one process, side by side and one after the other."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Time: the node answers by the stamps it is given, wherever they go."""
 
 from __future__ import annotations

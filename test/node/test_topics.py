@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The topics that users rely on, and the table of them for the documentation."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where the package stands, and Python with a minimal environment."""
 
 from __future__ import annotations

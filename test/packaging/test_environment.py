@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the executables stand on: each repair of the environment, and each that cannot be made."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The packages import in the way of the data alone; a wrong import on purpose is found."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The tests themselves: every module is collected, whatever optional libraries there are."""
 
 from __future__ import annotations

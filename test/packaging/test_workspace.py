@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What colcon makes of the package: executables and files of a built workspace."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Bags processed: what the node would say, beside what was recorded."""
 
 from __future__ import annotations

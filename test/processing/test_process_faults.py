@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is wrong with a recording is said in a line; what was good is done."""
 
 from __future__ import annotations

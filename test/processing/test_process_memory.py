@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The memory that processing takes does not depend on the recording."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Options and places: which recordings are meant, and where their outputs go."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Tables and motion files processed: the same numbers whatever the format."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Small motion tables, written and read."""
 
 from __future__ import annotations

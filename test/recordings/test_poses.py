@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the poses of bones to angles."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which columns of a motion table are the joints."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is made of the motion in a table: other rates, a filter, derivatives."""
 
 from __future__ import annotations

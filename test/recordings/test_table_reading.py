@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Motion tables: what OpenSim and CSV files hold."""
 
 from __future__ import annotations

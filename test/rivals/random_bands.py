@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random path models of the size of a shoulder, and what tests ask of them."""
 
 from __future__ import annotations

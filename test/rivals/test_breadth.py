@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The comparison of the methods: that each is set up fairly, and that the measures measure."""
 
 from __future__ import annotations

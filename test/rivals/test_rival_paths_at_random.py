@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What holds for the path of every rival: random bands at random poses."""
 
 from __future__ import annotations

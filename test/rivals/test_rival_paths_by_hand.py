@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rivals' paths by hand: what each obstacle does to a line."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rivals' paths beside MuJoCo's: spheres and cylinders on either bone."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is no model, and what is no pose, is refused in one line."""
 
 from __future__ import annotations

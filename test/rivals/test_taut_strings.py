@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rivals' lengths against strings that are pulled taut round the obstacles, point by point."""
 
 from __future__ import annotations

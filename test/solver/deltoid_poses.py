@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The deltoid at random poses."""
 
 from __future__ import annotations

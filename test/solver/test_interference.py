@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which band enters which bone sphere: the exact distance, the spec's figures, further spheres."""
 
 from __future__ import annotations

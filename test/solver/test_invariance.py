@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What may change without changing the answer: the axes, the size, the first band's angle."""
 
 from __future__ import annotations

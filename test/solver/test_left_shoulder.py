@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The left shoulder is the mirror image of the right."""
 
 import numpy as np

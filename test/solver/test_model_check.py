@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What will hurt in a model: found over its range of motion, named by band and pose, and drawn."""
 
 from __future__ import annotations

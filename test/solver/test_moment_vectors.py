@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Moment vectors are the slopes of the lengths, and moment arms their parts about the joints."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """No length jumps along a motion, and nothing depends on what was solved before."""
 
 from __future__ import annotations

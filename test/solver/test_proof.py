@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What others want to see before they trust the solver: least totals, slopes, other engines."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The solver: golden poses, its interface, and what it refuses."""
 
 import csv

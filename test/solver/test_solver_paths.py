@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The path of a band: from its origin to its insertion, smoothly over its sphere."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Obstacle spheres that move with the ground, the humerus or their band's own frame (thesis ch. 4).
 
 There they may be fixed to the ground or to the moving bones, or have a motion of their own.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the solver answers with: read-only arrays, parts of a batch, paths, small pickles."""
 
 from __future__ import annotations

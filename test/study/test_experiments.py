@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The thesis's experiments, done again: poses, lengths, moment arms both ways, attachments."""
 
 from __future__ import annotations

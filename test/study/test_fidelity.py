@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The model beside measurements and other models. A change of the model shows here."""
 
 from __future__ import annotations

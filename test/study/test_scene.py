@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pictures' geometry: views of a right shoulder, what hides what, labels apart."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command `linkedplane study`: the report, tables and figures that it writes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The folder of a study: what is left alone, what is replaced, and how a study ends."""
 
 from __future__ import annotations

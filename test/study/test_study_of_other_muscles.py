@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Studies of muscles that are not the published deltoid."""
 
 from __future__ import annotations

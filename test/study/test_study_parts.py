@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The parts of a report: tables and charts that can be read."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How the viewer moves the arm: to the poses of the case study, in sweeps, by hand."""
 
 from __future__ import annotations

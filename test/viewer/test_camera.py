@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where the scene is seen from, of either shoulder and in any window."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The colours of moment arms: even steps, a screen's colours, round ends."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the bytes of a message to what is drawn."""
 
 from __future__ import annotations

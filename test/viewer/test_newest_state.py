@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The newest state of a muscle: what the viewer shows, and what it knows of the node."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The viewer's plots: the last seconds, curves over an angle, round limits."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The viewer's ROS side: finds muscles, keeps their newest state, moves arms; its arguments."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The node, the viewer and a page of a real browser, over the loopback device."""
 
 from __future__ import annotations

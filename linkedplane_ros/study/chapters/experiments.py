@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated experiments: tables and curves of lengths and moment arms, flexion moving."""
 
 from __future__ import annotations

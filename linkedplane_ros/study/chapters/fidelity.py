@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fidelity: the model beside measurements and published models; what agrees and what does not."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Interference: which band enters which bone sphere, where and by how much."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The model under study: its attachments, obstacle spheres and looks, and the thesis's errata."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a report is put together from: text, tables, pictures and animations."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The rivals: what the thesis says of independent bands, measured, and what each method costs."""
 
 from __future__ import annotations

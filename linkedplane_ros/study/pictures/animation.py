@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Flexion as a GIF: the bands and their planes, which fan out and rotate with theta."""
 
 from __future__ import annotations

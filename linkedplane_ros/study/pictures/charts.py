@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Lengths and moment arms over the angle (E.4, E.5), depths of interference, other models' arms.
 
 What colour shows is shown again by line style, marker or lightness. mm and deg.

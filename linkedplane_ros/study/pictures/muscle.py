@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The muscle as a scene: bones, attachments, bands, their obstacle spheres and planes."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures of the muscle in the manner of the thesis's Figures E.1 to E.3 and E.6 to E.10.
 
 The thesis draws reconstructed bones, which are not available: here the interference spheres stand

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What each method does to the muscle as the joint moves, a row a method, a panel a measure."""
 
 from __future__ import annotations

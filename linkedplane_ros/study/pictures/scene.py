@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Solids, bands and planes seen from one side: parallel projection, far before near, equal scale.
 
 matplotlib's own 3-D axes sort whole objects by depth; here every small piece is sorted, so that a

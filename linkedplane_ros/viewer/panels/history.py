@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The numbers in the plots: of the last seconds, and the newest at each degree."""
 
 from __future__ import annotations

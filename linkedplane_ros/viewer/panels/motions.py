@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The motions of an arm that buttons and sliders move: angles and speeds over time."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The panel of one muscle: sliders and buttons that move its arm, or follow other publishers."""
 
 from __future__ import annotations

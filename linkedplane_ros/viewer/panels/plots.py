@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Live plots: length and moment arm of each head, over time or against a coordinate."""
 
 from __future__ import annotations

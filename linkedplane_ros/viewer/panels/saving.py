@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Saving the scene: a still, and a recording that opens in a browser without this program."""
 
 from __future__ import annotations

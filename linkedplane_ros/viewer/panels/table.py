@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The table of the bands: length, moment arm, wrap state, interference."""
 
 from __future__ import annotations

@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is drawn: markers from the wire, their geometry, and the scene that shows them."""

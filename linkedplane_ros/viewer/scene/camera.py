@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where browsers look from: at one shoulder or at both, far enough away to see all of it."""
 
 from __future__ import annotations

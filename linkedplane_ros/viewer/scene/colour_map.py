@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A colour for a number with a sign, in steps that look even: from blue over grey to orange.
 
 The map is two straight lines in Oklab (B. Ottosson, "A perceptual color space for image

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From markers to what a scene draws: lines, bodies and sheets, few for each namespace.
 
 Few things with many parts are drawn faster than many things. Lengths in m, colours 0..255.

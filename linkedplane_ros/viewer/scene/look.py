@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The controls of the look: what colours the bands, their legend, and what else is visible."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One muscle in the scene of the browser, updated from its drawables."""
 
 from __future__ import annotations

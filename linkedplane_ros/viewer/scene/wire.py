@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """From the bytes of a MarkerArray (CDR) to arrays, without a message for each point.
 
 rclpy takes six times as long to build its messages: too long for the rate of a screen.
