@@ -34,7 +34,7 @@ PACKAGES = {  # in the way of the data: the column where it is drawn, and what i
     'viewer': (0, 'the muscle in a browser'),
     'commands': (1, 'the command line'),
 }
-ROOT = ('errors', 'files', 'types')  # modules that everything may import
+ROOT = ('errors', 'files', 'libraries', 'types')  # modules that everything may import
 WITH_ROS = ('node', 'viewer', 'commands')
 LAZY = {  # library: the package that may import it at the top of a module
     'matplotlib': '', 'scipy': '', 'pyarrow': '', 'pymoo': '', 'rosbags': '', 'rich': '',

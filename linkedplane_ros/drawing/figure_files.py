@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import RecordingError
 from ..files import replace_when_complete
+from ..libraries import advise_install
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +40,7 @@ def import_matplotlib() -> Any:
         import matplotlib
     except ImportError:
         raise RecordingError(
-            "a picture needs the matplotlib library: pip install 'linkedplane_ros[tools]'"
+            f'a picture needs the matplotlib library: {advise_install("matplotlib")}'
         ) from None
     return matplotlib
 

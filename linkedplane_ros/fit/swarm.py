@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 
 from ..errors import LinkedPlaneError
+from ..libraries import advise_install
 from ..types import Floats
 
-INSTALL = "a fit needs pymoo, SciPy and matplotlib: pip install 'linkedplane_ros[tools]'"
+NEEDED = ('pymoo', 'scipy', 'matplotlib')
+INSTALL = f'a fit needs pymoo, SciPy and matplotlib: {advise_install(*NEEDED)}'
 ADAPTED = ('w', 'c1', 'c2')  # the swarm's inertia and pulls, which it changes as it goes
 
 
 def require_libraries() -> None:
     """Refuse to fit without the libraries that it needs; LinkedPlaneError says how to get them."""
-    if not all(map(find_spec, ('matplotlib', 'pymoo', 'scipy'))):
+    if not all(map(find_spec, NEEDED)):
         raise LinkedPlaneError(INSTALL)
 
 

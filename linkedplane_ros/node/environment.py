@@ -16,8 +16,9 @@ import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
+from ..libraries import advise_install
+
 NEEDED = ('rclpy', 'sensor_msgs', 'std_msgs', 'visualization_msgs', 'diagnostic_msgs')
-HOW_TO_INSTALL = "source /opt/ros/jazzy/setup.bash, or pip install 'linkedplane_ros[ros]'"
 MIDDLEWARE = 'rmw_fastrtps_cpp'  # the one that the packages from PyPI are linked with
 BOOTSTRAPPED = '_ROS_WHEELS_BOOTSTRAP_COMPLETE'
 RESTARTED = '_LINKEDPLANE_ROS_RESTARTED'  # a process id: a restart keeps it, a child has another
@@ -40,9 +41,12 @@ def prepare() -> None:
         With one line: what is missing, and how to get it.
 
     """
-    for name in NEEDED:
-        if find_spec(name) is None:
-            raise SystemExit(f'{name} is not installed: {HOW_TO_INSTALL}')
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise SystemExit(
+            f'{missing[0]} is not installed: source /opt/ros/jazzy/setup.bash, or '
+            f'{advise_install(*missing, MIDDLEWARE)}'
+        )
     folders = library_folders()
     if not folders:
         return
@@ -53,7 +57,7 @@ def prepare() -> None:
             'unset RMW_IMPLEMENTATION, or source a ROS installation that has it'
         )
     if not any((folder / f'lib{MIDDLEWARE}.so').exists() for folder in folders):
-        raise SystemExit(f"{MIDDLEWARE} is not installed: pip install 'linkedplane_ros[ros]'")
+        raise SystemExit(f'{MIDDLEWARE} is not installed: {advise_install(MIDDLEWARE)}')
     if not is_log_folder_writable():
         os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
     restart_python(folders)

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..files import remove_path
+from ..libraries import advise_install
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Chunk
 from ..solver.states import MuscleStates
@@ -187,7 +188,7 @@ class ParquetOutput:
             import pyarrow.parquet
         except ImportError:
             raise RecordingError(
-                "Parquet needs the pyarrow library: pip install 'linkedplane_ros[tools]'"
+                f'Parquet needs the pyarrow library: {advise_install("pyarrow")}'
             ) from None
         self._arrow = pyarrow
         self._file = path.open('wb')

@@ -17,6 +17,7 @@ from ..drawing.processed import ProcessedRecording
 from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, Rejected
+from ..libraries import advise_install
 from ..recordings.bag_motion import JointFrameReader
 from ..recordings.bags import deserialize_message, open_bag
 from ..recordings.motion import Frame
@@ -73,7 +74,7 @@ def read_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
         from pyarrow.parquet import read_table
     except ImportError:
         raise RecordingError(
-            f"{path}: Parquet needs the pyarrow library: pip install 'linkedplane_ros[tools]'"
+            f'{path}: Parquet needs the pyarrow library: {advise_install("pyarrow")}'
         ) from None
     table = read_table(path)
     facts = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}

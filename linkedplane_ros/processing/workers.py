@@ -21,6 +21,7 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..files import remove_path
+from ..libraries import advise_install
 from .outputs import partial_folder
 from .task import Progress, Report, Task, report_failure, run_task
 
@@ -169,9 +170,7 @@ def run_on_cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, R
     try:
         from dask.distributed import Client, as_completed
     except ImportError:
-        raise RecordingError(
-            "a cluster needs Dask: pip install 'linkedplane_ros[cluster]'"
-        ) from None
+        raise RecordingError(f'a cluster needs Dask: {advise_install("dask")}') from None
     try:
         client = Client(address, timeout='10s')
     except (OSError, ValueError) as error:

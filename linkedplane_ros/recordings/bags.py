@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RecordingError
+from ..libraries import advise_install
 
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 
@@ -108,7 +109,7 @@ def open_bag(path: Path) -> Any:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise RecordingError(
-            "a recording needs the rosbags library: pip install 'linkedplane_ros[tools]'"
+            f'a recording needs the rosbags library: {advise_install("rosbags")}'
         ) from None
     if not path.exists():
         raise RecordingError(f'{path}: no such file or folder')

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import RecordingError
+from ..libraries import advise_install
 from ..types import Floats
 
 PADDING = 9  # rows by which the filter prolongs a motion at each end, 3 for each coefficient
@@ -84,7 +85,7 @@ def filter_lowpass(values: Floats, rate: float, cutoff: float) -> Floats:
     try:
         from scipy.signal import butter, sosfiltfilt  # type: ignore[import-untyped, unused-ignore]
     except ImportError:
-        raise RecordingError('a low-pass filter needs SciPy: pip install scipy') from None
+        raise RecordingError(f'a low-pass filter needs SciPy: {advise_install("scipy")}') from None
     sections = butter(2, cutoff, fs=rate, output='sos')
     return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=PADDING), dtype=float)
 

@@ -18,6 +18,8 @@ from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import ExternalShutdownException
 from rclpy.utilities import remove_ros_args
 
+from ..libraries import advise_install
+
 PORT = 8080
 TRIED = 20  # ports above a busy one
 LOOPBACK = '127.0.0.1'
@@ -72,7 +74,7 @@ def main(given: list[str] | None = None) -> None:
     try:
         import viser
     except ImportError:
-        sys.exit("muscle_viewer: viser is not installed: pip install 'linkedplane_ros[viewer]'")
+        sys.exit(f'muscle_viewer: viser is not installed: {advise_install("viser")}')
     from .app import Viewer
     from .node import ViewerNode
 

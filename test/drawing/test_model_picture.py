@@ -94,4 +94,4 @@ def test_without_matplotlib_a_picture_is_refused_with_how_to_get_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     assert main(['info', '--png', str(tmp_path / 'deltoid.png')]) == 1
-    assert "pip install 'linkedplane_ros[tools]'" in capsys.readouterr().err
+    assert 'pip install matplotlib (rosdep key: python3-matplotlib)' in capsys.readouterr().err

@@ -11,8 +11,12 @@ from minimal_python import TOP, run_python
 
 from linkedplane_ros.node import environment
 
-ENVIRONMENT = TOP / 'linkedplane_ros' / 'node' / 'environment.py'
-PREPARE = f"import runpy; runpy.run_path('{ENVIRONMENT}')['prepare'](); "
+PREPARE = (  # without what the package itself imports: NumPy is not there in every test
+    "import sys, types; package = types.ModuleType('linkedplane_ros'); "
+    f'package.__path__ = [{str(TOP / "linkedplane_ros")!r}]; '
+    'sys.modules[package.__name__] = package; '
+    'from linkedplane_ros.node.environment import prepare; prepare(); '
+)
 RCLPY_RUNS = PREPARE + "import rclpy; rclpy.init(); rclpy.shutdown(); print('rclpy runs')"
 from_pypi = pytest.mark.skipif(
     not environment.library_folders(), reason='ROS is not from PyPI here: nothing to repair'
@@ -80,7 +84,9 @@ def test_a_machine_without_ros_is_told_how_to_get_it() -> None:
     result = run_python(PREPARE, '-S', '-E')
     assert result.returncode == 1
     assert re.fullmatch(
-        r'rclpy is not installed: source /opt/ros/jazzy/setup\.bash, or pip install .*\n',
+        r'rclpy is not installed: source /opt/ros/jazzy/setup\.bash, or pip install '
+        r'ros-jazzy-rclpy ros-jazzy-common-interfaces ros-jazzy-rmw-fastrtps-cpp '
+        r'\(rosdep keys: rclpy, .*\)\n',
         result.stderr,
     )
 

@@ -115,6 +115,6 @@ def test_without_matplotlib_one_line_says_what_to_install(tmp_path: Path) -> Non
     assert done.returncode == 1
     assert done.stderr == (
         'linkedplane: a picture needs the matplotlib library: '
-        "pip install 'linkedplane_ros[tools]'\n"
+        'pip install matplotlib (rosdep key: python3-matplotlib)\n'
     )
     assert not list(tmp_path.iterdir())

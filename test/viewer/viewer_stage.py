@@ -15,12 +15,13 @@ from optional import is_installed
 from ros_harness import NodeProcess
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, MuscleState
+from linkedplane_ros.libraries import advise_install
 
 MISSING = next(
     (f'{what} is not installed: {cure}' for what, there, cure in (
         ('chromium', CHROMIUM, 'apt-get install chromium'),
         ('playwright', is_installed('playwright'), 'pip install playwright'),
-        ('viser', is_installed('viser'), "pip install 'linkedplane_ros[viewer]'"),
+        ('viser', is_installed('viser'), advise_install('viser')),
     ) if not there),
     '',
 )  # fmt: skip
