@@ -30,6 +30,7 @@ from ..joints.joint_state import JointMemory, Rejected
 from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
+from .interruption import interruptible
 from .outputs import THROTTLE, MuscleOutputs
 from .parameters import NAMES
 from .settings import Settings
@@ -187,7 +188,8 @@ def main(args: list[str] | None = None) -> None:
     node = None
     try:
         executor = SingleThreadedExecutor()  # before a signal can come: it fails noisily after one
-        node = MuscleStatePublisher()
+        with interruptible():
+            node = MuscleStatePublisher()
         executor.add_node(node)
         gc.collect()
         gc.freeze()  # what is loaded by now stays: searching it again takes tens of ms

@@ -19,8 +19,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from optional import requires
 from rclpy.node import Node
-from ros_harness import NodeProcess, Peer
+from ros_harness import PATIENCE, NodeProcess, Peer
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 from visualization_msgs.msg import MarkerArray
@@ -163,6 +164,24 @@ def test_a_signal_at_any_moment_ends_the_node_without_a_traceback(
     time.sleep(moment)
     assert process.stop(how) in (0, -how), process.text
     assert 'Traceback' not in process.text
+
+
+@requires('numba')
+@pytest.mark.parametrize('how', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_node_while_its_solver_is_compiled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: signal.Signals
+) -> None:
+    compiled = tmp_path / 'compiled'
+    monkeypatch.setenv('NUMBA_CACHE_DIR', str(compiled))
+    node = NodeProcess(tmp_path / 'log')
+    deadline = time.monotonic() + PATIENCE
+    while 'preparing the solver' not in node.text and node.process.poll() is None:
+        assert time.monotonic() < deadline, node.text
+        time.sleep(0.05)
+    node.process.send_signal(how)  # Ctrl-C reaches a launched node twice
+    assert node.stop(how) == 0, node.text
+    assert 'Traceback' not in node.text
+    assert not list(compiled.rglob('*.nbc')), 'it ended only when all was compiled'
 
 
 PUBLISHER = """
