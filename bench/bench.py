@@ -23,13 +23,13 @@ import criterion
 import numpy as np
 import recordings
 
-from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.drawing.markdown import markdown_table
+from linkedplane_ros.joints.conventions import THESIS_CONVENTION
 from linkedplane_ros.linked_planes.compilation import COMPILED
 from linkedplane_ros.rivals.cost import best_times
 from linkedplane_ros.solver import linked_plane_solver as solver
 
-THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
 POSE = np.array((0.5, 0.4, 0.2))  # rad
 HERE = Path(__file__).parent
 FIRST_ANSWER = (
@@ -42,7 +42,7 @@ def random_rotations(count: int) -> np.ndarray:
     """Return random rotations: flexion -40..120, abduction 0..120, rotation +-60 deg."""
     rng = np.random.default_rng(1)
     angles = np.radians(rng.uniform((-40, 0, -60), (120, 120, 60), (min(count, 5000), 3)))
-    rotations = np.array([THESIS.rotation(each) for each in angles])
+    rotations = np.array([THESIS_CONVENTION.rotation(each) for each in angles])
     return np.resize(rotations, (count, 3, 3))
 
 
@@ -144,7 +144,7 @@ def other_engines(one: LinkedPlaneSolver) -> tuple[dict[str, Callable[[], Any]],
     missing = {}
     try:
         mujoco = MujocoBands(*given)
-        mujoco.set_pose(THESIS.rotation(POSE))
+        mujoco.set_pose(THESIS_CONVENTION.rotation(POSE))
         calls['mujoco'] = mujoco.update
     except ImportError as error:
         missing['mujoco'] = f'left out: {error}'
@@ -159,7 +159,7 @@ def other_engines(one: LinkedPlaneSolver) -> tuple[dict[str, Callable[[], Any]],
 def measure() -> dict[str, Any]:
     """Return every figure, in s, frames a second and MiB."""
     one = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
-    rotation = THESIS.rotation(POSE)
+    rotation = THESIS_CONVENTION.rotation(POSE)
     figures: dict[str, Any] = {'machine': describe_machine(), 'compiled': COMPILED}
     calls, missing = other_engines(one)
     figures.update(best_times({'call': lambda: one.solve(rotation), **calls}), **missing)
@@ -167,7 +167,7 @@ def measure() -> dict[str, Any]:
     figures['call uncompiled'] = float(
         run_python(
             'import bench; one = bench.LinkedPlaneSolver(bench.BroadMuscle.load("deltoid"))\n'
-            'rotation = bench.THESIS.rotation(bench.POSE)\n'
+            'rotation = bench.THESIS_CONVENTION.rotation(bench.POSE)\n'
             "print(bench.best({'call': lambda: one.solve(rotation)})['call'])",
             LINKEDPLANE_COMPILE='0',
         )

@@ -10,7 +10,8 @@ import reference
 from reference import Array
 from scipy.spatial.transform import Rotation
 
-from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
+from linkedplane_ros import BroadMuscle
+from linkedplane_ros.joints.conventions import THESIS_CONVENTION
 
 DELTOID = BroadMuscle.load('deltoid')
 
@@ -24,8 +25,7 @@ SAME = 1e-11  # m: the rounding of a length, with room for acos near 1
 def random_poses(count: int, seed: int) -> Array:
     """Return rotations: flexion -40..120, abduction 0..120, axial rotation +-60 deg."""
     angles = np.random.default_rng(seed).uniform([-40, 0, -60], [120, 120, 60], (count, 3))
-    convention = JOINT_CONVENTIONS['flexion_abduction_rotation']
-    return np.array([convention.rotation(q) for q in np.radians(angles)])
+    return THESIS_CONVENTION.rotations_and_axes(np.radians(angles))[0]
 
 
 def deltoid_with_bands(count: int, curve: BroadMuscle = DELTOID) -> BroadMuscle:

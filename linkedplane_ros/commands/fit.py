@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..fit.checkpoint import Checkpoint
     from ..fit.criterion import Criterion
     from ..fit.files import Files
-    from ..fit.fitting import FitResult, Plan, Progress, Search
+    from ..fit.fitting import FitProgress, FitResult, Plan, Search
     from ..fit.measurements import Data
     from ..fit.report import FinishedFit
     from ..fit.survey import Survey
@@ -176,7 +176,7 @@ def _search(
     total = plan.rounds * plan.generations
     with ProgressBar(total) as bar:
 
-        def follow(progress: Progress, search: Search) -> None:
+        def follow(progress: FitProgress, search: Search) -> None:
             checkpoint.write_if_due(search)
             completed = progress.round * plan.generations + progress.generation
             bar.update(

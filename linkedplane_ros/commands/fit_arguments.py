@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..joints.conventions import JOINT_CONVENTIONS
+from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
 from .argument_types import (
     finite_number,
     non_negative_number,
@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         '--convention',
         choices=tuple(JOINT_CONVENTIONS),
-        default='flexion_abduction_rotation',
+        default=THESIS_CONVENTION.name,
         help='what three angles in the data mean (default: %(default)s)',
     )
     add(

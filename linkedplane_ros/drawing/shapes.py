@@ -25,8 +25,8 @@ from .colours import head_colours, sphere_colours
 from .planes import plane_patches
 
 # visualization_msgs/Marker's numbers
-SPHERE, CYLINDER, LINE_STRIP, SPHERE_LIST, TRIANGLE_LIST = 2, 3, 4, 7, 11
-ADD, DELETE = 0, 2
+SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, SPHERE_LIST, TRIANGLE_LIST = 2, 3, 4, 5, 7, 11
+ADD, DELETE, DELETE_ALL = 0, 2, 3
 
 MARKER_RATE = 30.0  # Hz, by default
 POINTS_ON_ARC = 16

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from ..drawing.units import MILLIMETRES
 from ..joints.conventions import THESIS_CONVENTION
 from ..linked_planes.layout import band_count
 from ..muscle.broad_muscle import BroadMuscle
@@ -27,7 +28,6 @@ from .kernel import evaluate
 from .measurements import Data
 from .space import Space, pack_definition
 
-MM = 1e3  # millimetres in a metre
 PENALTY = 100.0  # mm^-2
 MARGIN = 1e-3  # m: the distance kept from jumps, from parting, and between ends and own spheres
 IMPOSSIBLE = 1e9  # mm^2, of a muscle without a path at any pose; more the farther it is from one
@@ -55,7 +55,7 @@ class Weights:
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class FitStates:
     """The muscle at the criterion's m poses; the first k of them are those of measurements."""
 
     lengths: Floats
@@ -78,7 +78,7 @@ class States:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class MeasuredValues:
     """Measured values of one kind."""
 
     places: npt.NDArray[np.int64]
@@ -91,10 +91,10 @@ class Rows:
     """(r, 3) what moment arms are about, in the scapula."""
 
     @staticmethod
-    def from_list(rows: list[tuple[int, float, float, Floats]]) -> Rows:
+    def from_list(rows: list[tuple[int, float, float, Floats]]) -> MeasuredValues:
         """Return the columns of rows."""
         places, values, roots, axes = zip(*rows, strict=True) if rows else ((), (), (), ())
-        return Rows(
+        return MeasuredValues(
             np.array(places, dtype=np.int64),
             np.array(values, dtype=np.float64),
             np.array(roots, dtype=np.float64),
@@ -117,8 +117,8 @@ class Criterion:
     """(k, 4) m: centres and radii of the interference spheres."""
     measured: int
     """How many of the poses are those of measurements."""
-    measured_lengths: Rows
-    measured_arms: Rows
+    measured_lengths: MeasuredValues
+    measured_arms: MeasuredValues
     weights: Weights = field(default_factory=Weights)
     side: float = 1.0
     """To which side the fan runs: `fan_side` of the model to start from."""
@@ -166,8 +166,8 @@ class Criterion:
             np.concatenate((np.array(rotations), more)),
             sphere_array(muscle),
             len(rotations),
-            Rows.from_list(lengths),
-            Rows.from_list(arms),
+            MeasuredValues.from_list(lengths),
+            MeasuredValues.from_list(arms),
             weights or Weights(),
             fan_side(pack_definition(muscle.definition)),
         )
@@ -176,12 +176,12 @@ class Criterion:
         """Return the criterion with further poses (j, 3, 3), only for penalties."""
         return replace(self, rotations=np.concatenate((self.rotations, more)))
 
-    def states(self, x: Floats) -> States | float:
+    def states(self, x: Floats) -> FitStates | float:
         """Return the muscle at the poses; a float for one without a path."""
         muscle = self.space.flat_muscle(x)
         return evaluate_poses(muscle, self.rotations, self.spheres, self.measured, self.side)
 
-    def deviations(self, states: States) -> tuple[Floats, Floats]:
+    def deviations(self, states: FitStates) -> tuple[Floats, Floats]:
         """Return modelled less measured lengths and moment arms, mm, without weights.
 
         Two arrays with an element for each measured value, in the order of the measurements.
@@ -191,9 +191,9 @@ class Criterion:
         rows = self.measured_arms
         moments = states.moments.reshape(-1, 3).take(rows.places, axis=0)
         arms = self.weights.arm_scale * np.einsum('ij,ij->i', moments, rows.axes) - rows.values
-        return MM * lengths, MM * arms
+        return MILLIMETRES * lengths, MILLIMETRES * arms
 
-    def weighted_deviations(self, states: States) -> list[Floats]:
+    def weighted_deviations(self, states: FitStates) -> list[Floats]:
         """Return arrays, mm, whose squares sum up to the criterion; without weights of 0.
 
         First lengths, then moment arms, then the penalties of all poses.
@@ -206,7 +206,7 @@ class Criterion:
         ]
         return parts + [part.ravel() for part in self.penalties(states)]
 
-    def penalties(self, states: States) -> list[Floats]:
+    def penalties(self, states: FitStates) -> list[Floats]:
         """Return the penalties of every pose and band, kind by kind, (m, n) or (m, n - 1), mm."""
         weights = self.weights
         kinds: list[tuple[float, Floats, float | Floats]] = [(1.0, states.insides, MARGIN)]
@@ -218,7 +218,7 @@ class Criterion:
         if weights.jumps:
             kinds.append((weights.jumps, states.edges, MARGIN))
         return [
-            (PENALTY * weight) ** 0.5 * MM * np.maximum(by + more, 0.0)
+            (PENALTY * weight) ** 0.5 * MILLIMETRES * np.maximum(by + more, 0.0)
             for weight, by, more in kinds
         ]
 
@@ -249,12 +249,12 @@ def sphere_array(muscle: BroadMuscle) -> Floats:
 def fan_side(muscle: Floats) -> float:
     """Return 1 if the bands are numbered in the deltoid's direction, the arm hanging; else -1."""
     states = evaluate_poses(muscle.copy(), np.eye(3)[np.newaxis], np.empty((0, 4)), 0)
-    return -1.0 if isinstance(states, States) and states.gaps.sum() < 0.0 else 1.0
+    return -1.0 if isinstance(states, FitStates) and states.gaps.sum() < 0.0 else 1.0
 
 
 def evaluate_poses(
     muscle: Floats, rotations: Floats, spheres: Floats, measured: int, side: float = 1.0
-) -> States | float:
+) -> FitStates | float:
     """Return a flat muscle at poses, or how far it is from having a path.
 
     Parameters
@@ -272,7 +272,7 @@ def evaluate_poses(
 
     Returns
     -------
-    States or float
+    FitStates or float
         A float where there is no path at a pose: how deep the ends lie in their spheres, m.
 
     """
@@ -287,7 +287,7 @@ def evaluate_poses(
         return min(float(off), 1.0)
     if side < 0.0:
         np.negative(gaps, out=gaps)
-    return States(lengths, moments.reshape(-1, n, 3), *of_poses)
+    return FitStates(lengths, moments.reshape(-1, n, 3), *of_poses)
 
 
 def pose_grid(ranges: Sequence[Interval], steps: Sequence[float]) -> tuple[Floats, Floats]:

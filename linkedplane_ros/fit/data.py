@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import RecordingError
-from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.tables import csv_rows, find_column, join_names, open_lines, parse_number
 from ..types import Floats
@@ -25,7 +25,7 @@ SAME = 1e-9  # rad: rounding of angles that are the same
 def read_data(
     path: str | Path,
     muscle: BroadMuscle,
-    convention: str = 'flexion_abduction_rotation',
+    convention: str = THESIS_CONVENTION.name,
     angle_scale: float = 1.0,
     step: float | None = None,
 ) -> Data:

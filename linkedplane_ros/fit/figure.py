@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..drawing.colours import HEAD_COLOURS
+from ..drawing.colours import head_colour
 from ..drawing.figure_files import house_style, write_figure
+from ..drawing.units import MILLIMETRES
 from ..types import Colour
-from .criterion import MM
 from .report import FinishedFit, mean_deviation
 
 WIDTH, HEIGHT = 2.6, 2.2  # of a panel, inches
@@ -59,7 +59,7 @@ def draw_trade_off(outcome: FinishedFit, file: Path) -> None:
 
         figure = Figure((4.0, 2.8))
         axes = figure.subplots()
-        deepest = [MM * stage.survey.depths.max() for stage in outcome.stages]
+        deepest = [MILLIMETRES * stage.survey.depths.max() for stage in outcome.stages]
         for kind, line in (('moment arm', 'o-'), ('length', 's--')):
             if outcome.deviations(outcome.end)[kind]:
                 means = [
@@ -67,7 +67,7 @@ def draw_trade_off(outcome: FinishedFit, file: Path) -> None:
                 ]
                 axes.plot(deepest, means, line, color='0.2', markersize=3.0, label=kind)
                 before = mean_deviation(outcome.deviations(outcome.start)[kind])
-                depth = MM * outcome.survey_before.depths.max()
+                depth = MILLIMETRES * outcome.survey_before.depths.max()
                 axes.plot([depth], [before], line[0], color='0.2', fillstyle='none', markersize=5.0,
                           label=f'{kind}, {outcome.before.name}')  # fmt: skip
         axes.set_xlabel('deepest entry of a band into bone over the range of motion (mm)')
@@ -94,7 +94,7 @@ def _draw_curves(
     name = {'length': 'length', 'moment arm': 'arm'}[kind]
     measured = [row for row in outcome.data.measurements if math.isfinite(getattr(row, name))]
     rows = sorted(
-        (row.angle, MM * getattr(row, name), before[-1], after[-1])
+        (row.angle, MILLIMETRES * getattr(row, name), before[-1], after[-1])
         for row, before, after in zip(measured, *deviations, strict=True)
         if (row.part, row.motion) == of
     )
@@ -116,10 +116,7 @@ def _find_colours(outcome: FinishedFit) -> dict[str, tuple[str, Colour]]:
         row.part: muscle.find_head(muscle.band_names[row.band]) for row in outcome.data.measurements
     }
     order = list(dict.fromkeys(heads.values()))
-    return {
-        part: (head, HEAD_COLOURS[order.index(head) % len(HEAD_COLOURS)])
-        for part, head in heads.items()
-    }
+    return {part: (head, head_colour(order.index(head))) for part, head in heads.items()}
 
 
 def _add_legend(figure: Any, colours: Mapping[str, Colour]) -> None:

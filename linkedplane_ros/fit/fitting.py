@@ -46,7 +46,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Progress:
+class FitProgress:
     """How far a fit has come."""
 
     round: int
@@ -122,7 +122,7 @@ class FitResult:
     """Of each stage, how deep bands were let in, m, and the best parameters (p,)."""
 
 
-Follow = Callable[[Progress, Search], None]
+Follow = Callable[[FitProgress, Search], None]
 
 
 def fit(
@@ -174,7 +174,7 @@ def fit(
             _polish(search, plan, work, follow)
             search.round, search.generation, search.swarm = search.round + 1, 0, None
             search.polishes = 0
-            follow(Progress(search.round, 0, search.value), search)
+            follow(FitProgress(search.round, 0, search.value), search)
         while len(search.best_of) < len(work.stages):
             if search.best_of:  # the first stage is that of the rounds
                 if not search.polishes:
@@ -185,7 +185,7 @@ def fit(
                 search.polishes = 0
             depth = 0.0 - work.stages[len(search.best_of)]
             search.best_of += ((depth, search.best),)
-            follow(Progress(search.round, 0, search.value), search)
+            follow(FitProgress(search.round, 0, search.value), search)
         best_of = tuple((depth, work.low + work.room * best) for depth, best in search.best_of)
     return FitResult(best_of[-1][1], search.value, best_of)
 
@@ -253,7 +253,7 @@ def _swarm(search: Search, plan: Plan, work: _Work, follow: Follow) -> None:
         place, value = search.swarm.best_particle
         if value < search.value:
             search.best, search.value = place, value
-        follow(Progress(search.round, search.generation, search.value), search)
+        follow(FitProgress(search.round, search.generation, search.value), search)
 
 
 def _polish(search: Search, plan: Plan, work: _Work, follow: Follow) -> None:
@@ -264,7 +264,7 @@ def _polish(search: Search, plan: Plan, work: _Work, follow: Follow) -> None:
         search.best = polish(work.residuals, search.best, plan.polish, work.pool)
         search.value = work.value(search.best)
         search.polishes = search.polishes + 1 if work.add_worst_poses(search) else most
-        follow(Progress(search.round, search.generation, search.value), search)
+        follow(FitProgress(search.round, search.generation, search.value), search)
 
 
 def fit_fingerprint(criterion: Criterion, plan: Plan, watch: Floats | None = None) -> str:

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..drawing.markdown import markdown_table
+from ..drawing.units import MILLIMETRES
 from ..errors import LinkedPlaneError
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats
-from .criterion import MM, Criterion, States
+from .criterion import Criterion, FitStates
 from .measurements import Data
 from .survey import Survey
 
@@ -67,7 +68,7 @@ class FinishedFit:
         """Of the range of motion before and after."""
         return self.survey_before, self.stages[-1].survey
 
-    def states(self, x: Floats) -> States:
+    def states(self, x: Floats) -> FitStates:
         """Return the muscle at the criterion's poses; LinkedPlaneError if it has no path."""
         states = self.criterion.states(x)
         if isinstance(states, float):
@@ -177,7 +178,7 @@ def _interference(outcome: FinishedFit) -> Iterator[str]:
     )
     deepest = after.depths.max(axis=0, initial=-math.inf)
     bad = [
-        f'{band} {MM * depth:.1f} mm'
+        f'{band} {in_millimetres(depth)}'
         for band, depth in zip(muscle.band_names, deepest.tolist(), strict=True)
         if depth >= 0.0
     ]
@@ -199,15 +200,23 @@ def _interference_rows(outcome: FinishedFit) -> Iterator[tuple[str, ...]]:
         entries = (_entered(each.depths) for each in surveys)
         yield '... bands and poses that enter a sphere', *entries
     if len(muscle.band_names) > 1:
-        behind = (f'{each.disordered}, least gap {MM * each.gaps.min():.1f} mm' for each in surveys)
+        behind = (
+            f'{each.disordered}, least gap {in_millimetres(each.gaps.min())}' for each in surveys
+        )
         yield '... bands not behind the one before', *behind
         parted = (
-            f'{each.parted}, by up to {MM * (each.gaps - each.spacing).max():.1f} mm'
+            f'{each.parted}, by up to {in_millimetres((each.gaps - each.spacing).max())}'
             for each in surveys
         )
         yield '... bands farther from the one before than at their origins', *parted
     yield '... bands without a path', *(str(each.inside) for each in surveys)
-    yield '... largest jump of a length, mm', *(f'{MM * each.jump:.2f}' for each in surveys)
+    jumps = (f'{MILLIMETRES * each.jump:.2f}' for each in surveys)
+    yield '... largest jump of a length, mm', *jumps
+
+
+def in_millimetres(length: float) -> str:
+    """Return a length, m, in mm."""
+    return f'{MILLIMETRES * length:.1f} mm'
 
 
 def mean_deviation(rows: Sequence[tuple[str, str, float, float]]) -> float:
@@ -224,7 +233,8 @@ def _trade_off(outcome: FinishedFit) -> Iterator[str]:
         off = outcome.deviations(stage.best)
         means = (f'{mean_deviation(off[kind]):.2f}' for kind in kinds)
         entered, deepest = _entered(stage.survey.depths).split(',')[0], stage.survey.depths.max()
-        rows.append((f'{MM * stage.allowed:g}', *means, entered, f'{MM * deepest:.1f}'))
+        allowed, reached = f'{MILLIMETRES * stage.allowed:g}', f'{MILLIMETRES * deepest:.1f}'
+        rows.append((allowed, *means, entered, reached))
     means = (f'mean {kind}, mm' for kind in kinds)
     columns = ('let in, mm', *means, 'bands and poses that enter', 'deepest, mm')
     yield markdown_table(columns, rows, 'r' * len(columns))
@@ -232,7 +242,8 @@ def _trade_off(outcome: FinishedFit) -> Iterator[str]:
 
 def _entered(depths: Floats) -> str:
     count = int((depths >= 0.0).sum())
-    return f'{count} of {depths.size}' + (f', up to {MM * depths.max():.1f} mm' if count else '')
+    deepest = f', up to {in_millimetres(depths.max())}' if count else ''
+    return f'{count} of {depths.size}{deepest}'
 
 
 def _parameters(outcome: FinishedFit) -> Iterator[str]:

@@ -10,7 +10,7 @@ from .compilation import compiled
 from .vectors import Vector, cross, dot, minus, mix, norm, plus, times
 
 
-class Path(NamedTuple):
+class BandPath(NamedTuple):
     """A band's path in its plane: x along u and y along e from its origin P; m, ground frame."""
 
     P: Vector
@@ -32,18 +32,18 @@ class Path(NamedTuple):
 
 
 @compiled
-def band_path(band: Band, c: float, s: float, state: int) -> Path:
+def band_path(band: Band, c: float, s: float, state: int) -> BandPath:
     """Return a band's path at theta, given its cosine and sine, and in its wrap state."""
     section, u = band.section, band.u
     D, tP, tS = section.D, section.tP, section.tS
     P = minus(band.S, times(D, u))
     if state != WRAPPED:
-        return Path(P, u, u, u, D, False, 0.0, 0.0, 0.0, 0.0, tP, tS, 1.0, 0.0, 1.0, 0.0)
+        return BandPath(P, u, u, u, D, False, 0.0, 0.0, 0.0, 0.0, tP, tS, 1.0, 0.0, 1.0, 0.0)
     n = mix(c, band.A, s, band.B)
     n = times(1.0 / norm(n), n)
     d, b, _, _ = plane_at(section, c, s)
     r, arc, t1u, t1e, t2u, t2e = wrap(D, section.a, tP, tS, section.R, d, b)
-    return Path(P, u, cross(u, n), n, D, True, section.a, b, r, arc, tP, tS, t1u, t1e, t2u, t2e)
+    return BandPath(P, u, cross(u, n), n, D, True, section.a, b, r, arc, tP, tS, t1u, t1e, t2u, t2e)
 
 
 @compiled
@@ -54,7 +54,7 @@ def off_part(x: float, y: float, size: float) -> float:
 
 
 @compiled
-def distance(path: Path, X: Vector) -> float:
+def distance(path: BandPath, X: Vector) -> float:
     """Return the distance (m) of a point X (ground frame) from a path."""
     w = minus(X, path.P)
     x = dot(w, path.u)
@@ -78,7 +78,7 @@ def distance(path: Path, X: Vector) -> float:
 
 
 @compiled
-def depth_in_spheres(path: Path, spheres: Any) -> float:
+def depth_in_spheres(path: BandPath, spheres: Any) -> float:
     """Return how deep (m) a path enters the sphere (centre, radius) that it enters deepest.
 
     Negative: by how much it keeps off all of them; minus infinity without spheres.
@@ -91,7 +91,7 @@ def depth_in_spheres(path: Path, spheres: Any) -> float:
 
 
 @compiled
-def halfway(path: Path) -> tuple[Vector, Vector]:
+def halfway(path: BandPath) -> tuple[Vector, Vector]:
     """Return the point halfway along a path (m, ground frame) and the path's direction there."""
     if not path.wrapped:
         return plus(path.P, times(0.5 * path.D, path.u)), path.u

@@ -16,7 +16,7 @@ from ..files import replace_when_complete
 from ..types import Floats, Interval
 from . import file, scaling, writing
 from .definition import Definition, define_in_metres, expand_frame, require_frame, unit_vector
-from .parts import COORDINATES, Head, Landmark, Sphere, whole_head
+from .parts import COORDINATES, Head, InterferenceSphere, Landmark, whole_head
 from .scaling import Scale
 from .validity import (
     check_distinct,
@@ -149,7 +149,7 @@ class BroadMuscle:
         for sphere in zip(
             self.interference_names, self.interference_centres, self.interference_radii, strict=True
         ):
-            Sphere(*sphere)  # which checks itself
+            InterferenceSphere(*sphere)  # which checks itself
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)

@@ -23,10 +23,10 @@ from .parts import (
     Curve,
     Curves,
     Head,
+    InterferenceSphere,
     Landmark,
     Listed,
     Span,
-    Sphere,
     multiply_point,
     whole_head,
 )
@@ -78,7 +78,7 @@ class Definition:
     """phi"""
     reference_normal: Point
     """N, ground frame, of any length."""
-    interference_spheres: tuple[Sphere, ...] = ()
+    interference_spheres: tuple[InterferenceSphere, ...] = ()
     landmarks: tuple[Landmark, ...] = ()
     range_of_motion: tuple[Interval, Interval, Interval] | None = None
 
@@ -258,7 +258,7 @@ def define_in_metres(fields: dict[str, Any]) -> Definition:
         plane_angle=Listed(numbers(fields['plane_angles'])),
         reference_normal=numbers(fields['reference_normal']),
         interference_spheres=tuple(
-            Sphere(name, (x, y, z), radius) for name, (x, y, z), radius in spheres
+            InterferenceSphere(name, (x, y, z), radius) for name, (x, y, z), radius in spheres
         ),
         landmarks=fields['landmarks'],
         range_of_motion=fields['range_of_motion'],

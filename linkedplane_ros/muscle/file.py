@@ -11,19 +11,29 @@ from ..errors import FieldError
 from ..types import Interval
 from .definition import Definition
 from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, known_keys
-from .parts import COORDINATES, Curve, Curves, Head, Landmark, Listed, Polynomial, Span, Sphere
+from .parts import (
+    COORDINATES,
+    Curve,
+    Curves,
+    Head,
+    InterferenceSphere,
+    Landmark,
+    Listed,
+    Polynomial,
+    Span,
+)
 from .yaml_mapping import YamlMapping, describe_kind
 
 
 @contextmanager
-def name_keys(section: YamlMapping) -> Iterator[None]:
+def name_keys(mapping: YamlMapping) -> Iterator[None]:
     """Within the block, name file and key in place of the field that a model cannot have."""
     try:
         yield
     except FieldError as error:
         field, bracket, index = error.field.partition('[')
         key = KEYS_OF_FIELDS.get(field, field) + bracket + index
-        raise section.fault(key, error.reason) from None
+        raise mapping.fault(key, error.reason) from None
 
 
 def read_definition(file: YamlMapping) -> Definition:
@@ -79,27 +89,27 @@ def _read_s(bands: YamlMapping) -> Span | tuple[float, ...] | None:
     return Span(span.number('first'), span.number('last'))
 
 
-def _read_curve(section: YamlMapping, key: str) -> Curve:
+def _read_curve(mapping: YamlMapping, key: str) -> Curve:
     """Return what is a number, a polynomial's coefficients or, after `list`, a list of numbers."""
-    value = section.content[key]
+    value = mapping.content[key]
     if isinstance(value, list):
-        return Polynomial(section.numbers(key))
+        return Polynomial(mapping.numbers(key))
     if isinstance(value, dict):
-        listed = section.mapping(key)
+        listed = mapping.mapping(key)
         listed.check_keys(*known_keys('QUANTITY'))
         return Listed(listed.numbers('list'))
     if isinstance(value, str) or value is None:
-        raise section.fault(
+        raise mapping.fault(
             key,
             'a number, a list of numbers (coefficients in s) or {list: [...]} expected, '
             f'{describe_kind(value)} given',
         )
-    return Polynomial((section.number(key),))
+    return Polynomial((mapping.number(key),))
 
 
-def _read_points(section: YamlMapping, key: str) -> Curves:
+def _read_points(mapping: YamlMapping, key: str) -> Curves:
     """Return what is a curve for each of x, y and z or, after `list`, a list of points."""
-    points = section.mapping(key)
+    points = mapping.mapping(key)
     axes, whole = known_keys('POINTS')
     if 'list' in points:
         points.check_keys(whole)
@@ -120,13 +130,13 @@ def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
     return tuple(heads)
 
 
-def read_interference_spheres(file: YamlMapping) -> tuple[Sphere, ...]:
+def read_interference_spheres(file: YamlMapping) -> tuple[InterferenceSphere, ...]:
     """Return the interference spheres of a file, in its unit of length."""
     spheres = []
     for name, entry in file.mappings('interference_spheres'):
         entry.check_keys(*known_keys('interference_spheres.NAME'))
         with name_keys(entry):
-            spheres.append(Sphere(name, entry.point('centre'), entry.number('radius')))
+            spheres.append(InterferenceSphere(name, entry.point('centre'), entry.number('radius')))
     return tuple(spheres)
 
 
@@ -142,9 +152,9 @@ def _read_landmarks(file: YamlMapping) -> tuple[Landmark, ...]:
 def _read_range_of_motion(file: YamlMapping) -> tuple[Interval, Interval, Interval] | None:
     if 'range_of_motion' not in file:
         return None
-    section = file.mapping('range_of_motion')
-    section.check_keys(*known_keys('range_of_motion'))
-    (a, b), (c, d), (e, f) = (section.numbers(coordinate, 2) for coordinate in COORDINATES)
+    limits = file.mapping('range_of_motion')
+    limits.check_keys(*known_keys('range_of_motion'))
+    (a, b), (c, d), (e, f) = (limits.numbers(coordinate, 2) for coordinate in COORDINATES)
     return (a, b), (c, d), (e, f)
 
 

@@ -92,7 +92,7 @@ class Head:
 
 
 @dataclass(frozen=True)
-class Sphere:
+class InterferenceSphere:
     """An interference sphere: bone that no band should enter, ground frame."""
 
     name: str

@@ -18,7 +18,15 @@ import numpy as np
 from ..errors import ModelError
 from ..types import Floats, Point
 from .definition import Definition, expand_frame
-from .parts import BONES, METRES, Curve, Curves, Landmark, Listed, Sphere, multiply_point
+from .parts import (
+    BONES,
+    METRES,
+    Curve,
+    Curves,
+    Landmark,
+    Listed,
+    multiply_point,
+)
 from .validity import JOINT_CENTRE
 from .yaml_mapping import YamlMapping, parse_yaml, read_text
 
@@ -123,12 +131,15 @@ def scale_definition(model: Definition, scale: Scale) -> Definition:
         humeral_point=model.humeral_point and multiply_point(model.humeral_point, scale.humerus),
         reference_normal=(n1, n2, n3),
         interference_spheres=tuple(
-            Sphere(each.name, multiply_point(each.centre, scale.scapula), each.radius * size)
+            replace(
+                each,
+                centre=multiply_point(each.centre, scale.scapula),
+                radius=each.radius * size,
+            )
             for each in model.interference_spheres
         ),
         landmarks=tuple(
-            Landmark(each.name, each.bone, multiply_point(each.at, bones[each.bone]))
-            for each in model.landmarks
+            replace(each, at=multiply_point(each.at, bones[each.bone])) for each in model.landmarks
         ),
     )
 

@@ -19,7 +19,7 @@ import numpy as np
 from ..errors import RecordingError
 from ..types import Floats
 
-Row = tuple[int, list[str]]  # the number of its line, its cells
+TableRow = tuple[int, list[str]]  # the number of its line, its cells
 
 TIMES = ('time', 't', 'time_s', 'timestamp', 'time (s)')  # the first of them that is there
 IN_DEGREES = re.compile(r'\s*inDegrees\s*=\s*(.*?)\s*', re.IGNORECASE)
@@ -137,7 +137,9 @@ def decode_lines(lines: Iterator[bytes]) -> Iterator[str]:
         raise RecordingError('1: empty; a header and rows of numbers expected')
 
 
-def read_header(path: Path, lines: Iterator[str]) -> tuple[bool | None, Row, Iterator[Row]]:
+def read_header(
+    path: Path, lines: Iterator[str]
+) -> tuple[bool | None, TableRow, Iterator[TableRow]]:
     """Return inDegrees, the row of names and the rows after it."""
     if path.suffix.lower() in ('.mot', '.sto'):
         line, in_degrees, rows = read_opensim_header(lines)
@@ -147,7 +149,7 @@ def read_header(path: Path, lines: Iterator[str]) -> tuple[bool | None, Row, Ite
     return in_degrees, (line, [name.strip() for name in names]), rows
 
 
-def read_opensim_header(lines: Iterator[str]) -> tuple[int, bool | None, Iterator[Row]]:
+def read_opensim_header(lines: Iterator[str]) -> tuple[int, bool | None, Iterator[TableRow]]:
     """Return the line of OpenSim's `endheader`, the value of inDegrees, and the rows after it."""
     numbered, line, in_degrees = enumerate(lines, 1), 0, None
     for line, text in numbered:
@@ -160,7 +162,7 @@ def read_opensim_header(lines: Iterator[str]) -> tuple[int, bool | None, Iterato
     raise RecordingError(f"{line}: the file ends, but a line 'endheader' was expected before")
 
 
-def csv_rows(lines: Iterator[str]) -> Iterator[Row]:
+def csv_rows(lines: Iterator[str]) -> Iterator[TableRow]:
     """Yield the rows of a CSV, its names first; the delimiter is the most frequent one in those."""
     for before, text in enumerate(lines):  # noqa: B007
         if text.strip() and not text.startswith('#'):
@@ -186,7 +188,7 @@ def find_column(line: int, header: Sequence[str], name: str) -> int:
     return header.index(name)
 
 
-def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[Row]) -> Floats:
+def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[TableRow]) -> Floats:
     """Return the cells of k rows in n columns, the time's first, as numbers (k, n)."""
     lines: list[int] = []
     cells: list[str] = []  # in one list: one a row would be slow to hold

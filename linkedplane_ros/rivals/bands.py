@@ -23,7 +23,7 @@ from ..solver.kernels import SOLVED
 from ..solver.states import WrapState
 from ..types import Bytes, Floats
 from .fields import check_field, field_kind
-from .path import ARC_NUMBERS, Kernel
+from .path import ARC_NUMBERS, PathKernel
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class PathModel:
     """(3,) scapula frame."""
     insertion: Vector
     """(3,) humerus frame."""
-    kernel: ClassVar[Kernel]
+    kernel: ClassVar[PathKernel]
     arcs_are_points: ClassVar[bool] = False
 
     def __post_init__(self) -> None:

@@ -176,10 +176,12 @@ def true_share(which: Any) -> float:
     return float(np.mean(which))
 
 
-States = MuscleStates | BandStates
+MethodStates = MuscleStates | BandStates
 
 
-def solve_and_draw(solver: LinkedPlaneSolver | Bands, rotations: Floats) -> tuple[States, Floats]:
+def solve_and_draw(
+    solver: LinkedPlaneSolver | Bands, rotations: Floats
+) -> tuple[MethodStates, Floats]:
     """Return the states at m poses and all paths as polylines (m, n, k, 3), m.
 
     A polyline that needs fewer than k points stays at its insertion.
@@ -248,30 +250,30 @@ def depth_in_bone(lines: Floats, muscle: BroadMuscle) -> Floats:
     return deepest
 
 
-Change = Callable[[States, Floats], Floats]
+Change = Callable[[MethodStates, Floats], Floats]
 
 
-def unexplained_changes(states: States, turns: Floats) -> Floats:
+def unexplained_changes(states: MethodStates, turns: Floats) -> Floats:
     """Return what the lengths (m - 1, n) change by beyond what the moment vectors explain, m."""
     v = states.moment_vectors
     explained = -0.5 * np.einsum('kni,ki->kn', v[1:] + v[:-1], turns)
     return changes_with_paths(states, np.abs(np.diff(states.lengths, axis=0) - explained))
 
 
-def moment_changes(states: States, turns: Floats) -> Floats:
+def moment_changes(states: MethodStates, turns: Floats) -> Floats:
     """Return what the moment vectors (m - 1, n) change by, m."""
     changes = np.linalg.norm(np.diff(states.moment_vectors, axis=0), axis=2)
     return changes_with_paths(states, changes)
 
 
-def changes_with_paths(states: States, changes: npt.NDArray[Any]) -> Floats:
+def changes_with_paths(states: MethodStates, changes: npt.NDArray[Any]) -> Floats:
     """Return changes (m - 1, n) with 0 where a band has no path before or after."""
     inside = states.wrap == INSIDE
     return np.where(inside[1:] | inside[:-1], 0.0, changes)
 
 
 def largest_jump(
-    solver: LinkedPlaneSolver | Bands, rotations: Floats, states: States, turns: Floats,
+    solver: LinkedPlaneSolver | Bands, rotations: Floats, states: MethodStates, turns: Floats,
     neighbours: Bools, change: Change,
 ) -> float:  # fmt: skip
     """Return what is left of the largest changes as their two poses come together.

@@ -17,16 +17,26 @@ from typing import NamedTuple
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED, obstacle_kind
 from ..linked_planes.compilation import compiled
-from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
+from ..linked_planes.vectors import (
+    ZERO,
+    Rotation,
+    Vector,
+    cross,
+    dot,
+    minus,
+    mix,
+    norm,
+    plus,
+    times,
+)
 from .cylinder import AT_SURFACE, CYLINDER_SIZE, RoundAnAxis, Tube, inside, path_round, tube_at
 from .fields import Turn
 from .path import (
     NO_ARC,
     OBSTACLE,
-    ZERO,
     Arc,
-    Path,
-    Row,
+    BandRow,
+    ObstaclePath,
     ends,
     make_kernel,
     moment_of,
@@ -187,17 +197,17 @@ def stub_moment(stub: Tube, P: Vector, t1: Vector, S: Vector, t2: Vector) -> Vec
 
 
 @compiled
-def on_the_cap(stub: Tube, P: Vector, S: Vector) -> Path:
+def on_the_cap(stub: Tube, P: Vector, S: Vector) -> ObstaclePath:
     """Return the band round the cap alone; MISSED and endless if it leaves the cap."""
     cap = round_sphere(P, S, stub.C, stub.R, stub.on_humerus)
     low = min(height(stub, cap.first.start), height(stub, on_arc(cap.first, 1.0)))
     if cap.state == WRAPPED and low >= -AT_SURFACE * stub.R:
         return cap
-    return Path(ENDLESS, MISSED, 0, ZERO, NO_ARC, NO_ARC)
+    return ObstaclePath(ENDLESS, MISSED, 0, ZERO, NO_ARC, NO_ARC)
 
 
 @compiled
-def round_stub(stub: Tube, P: Vector, S: Vector, side: float) -> Path:
+def round_stub(stub: Tube, P: Vector, S: Vector, side: float) -> ObstaclePath:
     """Return the shortest band from P to S, turning on the cylinder to one side, or to either (0).
 
     A side of 1 is right-handed about the axis, -1 left-handed.
@@ -215,7 +225,7 @@ def round_stub(stub: Tube, P: Vector, S: Vector, side: float) -> Path:
         high = max(height(stub, past.meets), height(stub, past.leaves))
         if past.state == WRAPPED and high <= AT_SURFACE * stub.R and past.length < best.length:
             moment = stub_moment(stub, P, past.t1, S, past.t2)
-            best = Path(past.length, WRAPPED, 2, moment, NO_ARC, past.arc)
+            best = ObstaclePath(past.length, WRAPPED, 2, moment, NO_ARC, past.arc)
         # the seam is crossed from above: towards S, or towards P
         back = height(stub, P) < 0.0
         A, B, about = (S, P, -turn) if back else (P, S, turn)
@@ -226,12 +236,12 @@ def round_stub(stub: Tube, P: Vector, S: Vector, side: float) -> Path:
         if back:
             t1, t2 = times(-1.0, t2), times(-1.0, t1)
             first, second = reversed_arc(second), reversed_arc(first)
-        best = Path(down.length, WRAPPED, 3, stub_moment(stub, P, t1, S, t2), first, second)
+        best = ObstaclePath(down.length, WRAPPED, 3, stub_moment(stub, P, t1, S, t2), first, second)
     return best if best.state == WRAPPED else straight_path(P, S, MISSED)
 
 
 @compiled
-def capped_cylinder(row: Row, rotation: Rotation) -> Path:
+def capped_cylinder(row: BandRow, rotation: Rotation) -> ObstaclePath:
     """Return the path of a band of P, S, a cylinder that ends in C, and the side."""
     P, S = ends(row, rotation)
     stub = tube_at(row, OBSTACLE, rotation)

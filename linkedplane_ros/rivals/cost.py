@@ -24,7 +24,7 @@ FINITE_ELEMENTS = (
 )
 
 
-Key = TypeVar('Key')
+CallName = TypeVar('CallName')
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ def cost(muscle: BroadMuscle, seconds: float = 0.1) -> list[Cost]:
 
 
 def best_times(
-    calls: Mapping[Key, Callable[[], Any]], seconds: float = 2.0, round_seconds: float = 0.02
-) -> dict[Key, float]:
+    calls: Mapping[CallName, Callable[[], Any]], seconds: float = 2.0, round_seconds: float = 0.02
+) -> dict[CallName, float]:
     """Measure how long calls take, at best: noise only adds.
 
     Parameters

@@ -18,16 +18,26 @@ from typing import NamedTuple
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compilation import compiled
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, plus, times
+from ..linked_planes.vectors import (
+    ZERO,
+    Rotation,
+    Vector,
+    cross,
+    dot,
+    minus,
+    mix,
+    norm,
+    plus,
+    times,
+)
 from .bands import PathModel
 from .fields import Bone
 from .path import (
     NO_ARC,
     OBSTACLE,
-    ZERO,
     Arc,
-    Path,
-    Row,
+    BandRow,
+    ObstaclePath,
     ends,
     make_kernel,
     moment_of,
@@ -63,7 +73,7 @@ class TubePath(NamedTuple):
 
 
 @compiled
-def tube_at(row: Row, place: int, rotation: Rotation) -> Tube:
+def tube_at(row: BandRow, place: int, rotation: Rotation) -> Tube:
     """Return a cylinder: at a place of a band's row, C, w, radius, on the humerus."""
     R, on_humerus = row[place + 6], row[place + 7]
     C = placed(rotation, on_humerus, vector(row, place))
@@ -125,7 +135,7 @@ def path_round(P: Vector, S: Vector, tube: Tube) -> TubePath:
 
 
 @compiled
-def cylinder(row: Row, rotation: Rotation) -> Path:
+def cylinder(row: BandRow, rotation: Rotation) -> ObstaclePath:
     """Return the path of a band of P, S and a cylinder."""
     P, S = ends(row, rotation)
     tube = tube_at(row, OBSTACLE, rotation)
@@ -135,7 +145,7 @@ def cylinder(row: Row, rotation: Rotation) -> Path:
     if past.state != WRAPPED:
         return straight_path(P, S, past.state)
     moment = moment_of(P, past.t1, tube.on_humerus, ZERO, ZERO, tube.on_humerus, S, past.t2)
-    return Path(past.length, WRAPPED, 1, moment, past.arc, NO_ARC)
+    return ObstaclePath(past.length, WRAPPED, 1, moment, past.arc, NO_ARC)
 
 
 @dataclass(frozen=True)

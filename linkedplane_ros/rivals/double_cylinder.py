@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..linked_planes.compilation import compiled
-from ..linked_planes.vectors import Rotation, Vector, dot, minus, mix, norm
+from ..linked_planes.vectors import ZERO, Rotation, Vector, dot, minus, mix, norm
 from .cylinder import (
     CYLINDER_SIZE,
     RoundAnAxis,
@@ -26,7 +26,7 @@ from .cylinder import (
     tube_at,
 )
 from .fields import Bone
-from .path import OBSTACLE, ZERO, Path, Row, ends, make_kernel, moment_of, straight_path
+from .path import OBSTACLE, BandRow, ObstaclePath, ends, make_kernel, moment_of, straight_path
 
 ROUNDS = 100
 SETTLING = 40  # rounds after which a cylinder that is not touched is dropped for good
@@ -67,7 +67,7 @@ def paths_round(P: Vector, S: Vector, tube: Tube, tube2: Tube) -> tuple[TubePath
 
 
 @compiled
-def double_cylinder(row: Row, rotation: Rotation) -> Path:
+def double_cylinder(row: BandRow, rotation: Rotation) -> ObstaclePath:
     """Return the path of a band of P, S and two cylinders."""
     P, S = ends(row, rotation)
     tube = tube_at(row, OBSTACLE, rotation)
@@ -90,7 +90,7 @@ def double_cylinder(row: Row, rotation: Rotation) -> Path:
         return straight_path(P, S, MISSED if missed else CLEAR)
     length = one.length - one.after + two.length
     moment = moment_of(P, one.t1, bone, one.leaves, two.t1, bone2, S, two.t2)
-    return Path(length, WRAPPED, contacts, moment, one.arc, two.arc)
+    return ObstaclePath(length, WRAPPED, contacts, moment, one.arc, two.arc)
 
 
 @dataclass(frozen=True)

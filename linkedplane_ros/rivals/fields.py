@@ -34,14 +34,14 @@ def is_axis(value: Any) -> bool:
     return len(value) == 3 and 0.0 < math.hypot(*value) < math.inf
 
 
-def unit_vector(axis: Any) -> tuple[float, ...]:
+def unit_axis(axis: Any) -> tuple[float, ...]:
     """Return a direction at length 1."""
     size = math.hypot(*axis)
     return tuple(x / size for x in axis)
 
 
 POINT = Kind(is_point, '3 finite numbers in m', tuple)
-AXIS = Kind(is_axis, '3 finite numbers, not all 0,', unit_vector)
+AXIS = Kind(is_axis, '3 finite numbers, not all 0,', unit_axis)
 RADIUS = Kind(lambda value: 0.0 < value < math.inf, 'a finite length > 0 in m', lambda r: (r,))
 BONE = Kind(ON_HUMERUS.__contains__, "'scapula' or 'humerus'", lambda bone: (ON_HUMERUS[bone],))
 TURN = Kind(TURNS.__contains__, f'one of {", ".join(TURNS)}', lambda turn: (TURNS[turn],))

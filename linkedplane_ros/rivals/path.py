@@ -2,7 +2,8 @@
 """A band's path as straight parts and arcs, and the kernels that work out many (m, scapula frame).
 
 A band is a flat row of numbers: its origin P (scapula frame), its insertion S (humerus frame), then
-its obstacle, as its method reads it. A kernel makes a Path of it and a humerus -> scapula rotation.
+its obstacle, as its method reads it. A kernel turns it and a humerus -> scapula rotation into an
+ObstaclePath.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from ..joints.rotations import PROPER, matrix_rows, rotation_fault
 from ..linked_planes.compilation import compiled, entry
 from ..linked_planes.layout import vector
 from ..linked_planes.vectors import (
+    ZERO,
     Rotation,
     Vector,
     blend,
@@ -28,10 +30,9 @@ from ..linked_planes.vectors import (
 )
 from ..solver.kernels import SOLVED, Outcome
 
-Row = list[float]
+BandRow = list[float]
 
 ROW_ORIGIN, ROW_INSERTION, OBSTACLE = 0, 3, 6  # where numbers start in a row
-ZERO = (0.0, 0.0, 0.0)
 ARC_NUMBERS = 11  # of an Arc
 
 
@@ -51,7 +52,7 @@ class Arc(NamedTuple):
 NO_ARC = Arc(ZERO, ZERO, ZERO, 0.0, 0.0)
 
 
-class Path(NamedTuple):
+class ObstaclePath(NamedTuple):
     """A band's path from its origin over at most two arcs to its insertion."""
 
     length: float
@@ -63,7 +64,7 @@ class Path(NamedTuple):
 
 
 @compiled
-def ends(row: Row, rotation: Rotation) -> tuple[Vector, Vector]:
+def ends(row: BandRow, rotation: Rotation) -> tuple[Vector, Vector]:
     """Return a band's origin and insertion, scapula frame."""
     return vector(row, ROW_ORIGIN), turned(rotation, vector(row, ROW_INSERTION))
 
@@ -90,12 +91,12 @@ def moment_of(
 
 
 @compiled
-def straight_path(P: Vector, S: Vector, state: int) -> Path:
+def straight_path(P: Vector, S: Vector, state: int) -> ObstaclePath:
     """Return the straight path from P to S."""
     line = minus(S, P)
     D = norm(line)
     u = times(1.0 / max(D, 1e-300), line)
-    return Path(D, state, 0, times(-1.0, cross(S, u)), NO_ARC, NO_ARC)
+    return ObstaclePath(D, state, 0, times(-1.0, cross(S, u)), NO_ARC, NO_ARC)
 
 
 @compiled
@@ -132,7 +133,7 @@ def write_arc(arc: Arc, numbers: Any, i: int) -> None:
 
 
 @compiled
-def write_arcs(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None:
+def write_arcs(row: BandRow, rotation: Rotation, path: ObstaclePath, numbers: Any) -> None:
     """Write the arcs of a path, in order."""
     numbers[0] = 0
     if path.contacts == 1 or path.contacts == 3:
@@ -141,12 +142,12 @@ def write_arcs(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None:
         write_arc(path.second, numbers, path.contacts - 2)
 
 
-PathOf = Callable[[Row, Rotation], Path]
-ArcsOf = Callable[[Row, Rotation, Path, Any], None]
-Kernel = Callable[..., Outcome]
+PathOf = Callable[[BandRow, Rotation], ObstaclePath]
+ArcsOf = Callable[[BandRow, Rotation, ObstaclePath, Any], None]
+PathKernel = Callable[..., Outcome]
 
 
-def make_kernel(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> Kernel:
+def make_kernel(path_of: PathOf, arcs_of: ArcsOf = write_arcs) -> PathKernel:
     """Return the kernel that solves bands of one method."""
 
     @entry

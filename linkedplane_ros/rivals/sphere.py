@@ -14,16 +14,15 @@ from math import sqrt
 from ..linked_planes.band import CLEAR, INSIDE, PIERCED, WRAPPED, obstacle_kind, wrap
 from ..linked_planes.compilation import compiled
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Rotation, Vector, cross, dot, minus, mix, norm, times
+from ..linked_planes.vectors import ZERO, Rotation, Vector, cross, dot, minus, mix, norm, times
 from .bands import PathModel
 from .fields import Bone
 from .path import (
     NO_ARC,
     OBSTACLE,
-    ZERO,
     Arc,
-    Path,
-    Row,
+    BandRow,
+    ObstaclePath,
     across,
     ends,
     make_kernel,
@@ -34,7 +33,7 @@ from .path import (
 
 
 @compiled
-def round_sphere(P: Vector, S: Vector, C: Vector, R: float, on_humerus: float) -> Path:
+def round_sphere(P: Vector, S: Vector, C: Vector, R: float, on_humerus: float) -> ObstaclePath:
     """Return the shorter path from P to S round a sphere, in the plane of P, S and C."""
     line, p = minus(S, P), minus(C, P)
     D = norm(line)
@@ -53,11 +52,11 @@ def round_sphere(P: Vector, S: Vector, C: Vector, R: float, on_humerus: float) -
     t1, t2 = mix(t1u, u, t1e, e), mix(t2u, u, t2e, e)
     arc = Arc(mix(1.0, P, tP, t1), C, cross(e, u), turn, 0.0)
     moment = moment_of(P, t1, on_humerus, ZERO, ZERO, on_humerus, S, t2)
-    return Path(tP + r * turn + tS, WRAPPED, 1, moment, arc, NO_ARC)
+    return ObstaclePath(tP + r * turn + tS, WRAPPED, 1, moment, arc, NO_ARC)
 
 
 @compiled
-def sphere(row: Row, rotation: Rotation) -> Path:
+def sphere(row: BandRow, rotation: Rotation) -> ObstaclePath:
     """Return the path of a band of P, S, C, radius, on the humerus."""
     P, S = ends(row, rotation)
     R, on_humerus = row[OBSTACLE + 3], row[OBSTACLE + 4]

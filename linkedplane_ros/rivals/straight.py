@@ -10,15 +10,14 @@ from typing import Any
 from ..linked_planes.band import CLEAR, WRAPPED
 from ..linked_planes.compilation import compiled
 from ..linked_planes.layout import vector
-from ..linked_planes.vectors import Rotation, Vector, cross, minus, norm, times, turned
+from ..linked_planes.vectors import ZERO, Rotation, Vector, cross, minus, norm, times, turned
 from .bands import PathModel
 from .path import (
     NO_ARC,
     OBSTACLE,
-    ZERO,
     Arc,
-    Path,
-    Row,
+    BandRow,
+    ObstaclePath,
     ends,
     make_kernel,
     straight_path,
@@ -27,27 +26,27 @@ from .path import (
 
 
 @compiled
-def straight(row: Row, rotation: Rotation) -> Path:
+def straight(row: BandRow, rotation: Rotation) -> ObstaclePath:
     """Return the path of a band of P and S alone."""
     P, S = ends(row, rotation)
     return straight_path(P, S, CLEAR)
 
 
 @compiled
-def via_point(row: Row, rotation: Rotation, i: int) -> Vector:
+def via_point(row: BandRow, rotation: Rotation, i: int) -> Vector:
     """Return the i-th via point, scapula frame: those of the scapula come first."""
     point = vector(row, OBSTACLE + 2 + 3 * i)
     return point if i < row[OBSTACLE] else turned(rotation, point)
 
 
 @compiled
-def via_count(row: Row) -> int:
+def via_count(row: BandRow) -> int:
     """Return how many via points a band has."""
     return int(row[OBSTACLE] + row[OBSTACLE + 1])
 
 
 @compiled
-def via_points(row: Row, rotation: Rotation) -> Path:
+def via_points(row: BandRow, rotation: Rotation) -> ObstaclePath:
     """Return the path of a band of P, S, how many points on the scapula and on the humerus, them.
 
     Only the straight part from the last scapular to the first humeral point turns the joint.
@@ -64,11 +63,11 @@ def via_points(row: Row, rotation: Rotation) -> Path:
         if i == row[OBSTACLE]:
             moment = times(-1.0 / max(D, 1e-300), cross(end, line))
         start = end
-    return Path(length, WRAPPED if count else CLEAR, 0, moment, NO_ARC, NO_ARC)
+    return ObstaclePath(length, WRAPPED if count else CLEAR, 0, moment, NO_ARC, NO_ARC)
 
 
 @compiled
-def write_points(row: Row, rotation: Rotation, path: Path, numbers: Any) -> None:
+def write_points(row: BandRow, rotation: Rotation, path: ObstaclePath, numbers: Any) -> None:
     """Write the via points as arcs without length."""
     numbers[0] = 0
     for i in range(via_count(row)):

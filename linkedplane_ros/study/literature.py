@@ -16,10 +16,10 @@ from importlib import resources
 
 import numpy as np
 
+from ..muscle.parts import METRES
 from ..types import Floats, Point
 
 HEADS = ('anterior', 'middle', 'posterior')
-METRES = 1e-3  # in a millimetre
 RHYTHM = '+r'  # ends the name of a model whose scapula follows the arm
 OWN_PREFIX = 'LP'  # begins the names of this project's model in the table of models
 
@@ -34,7 +34,7 @@ class AngleCurve:
     """(k,) m; a moment arm is positive where shortening carries the motion on."""
 
 
-Curves = Mapping[tuple[str, str], AngleCurve]
+MotionCurves = Mapping[tuple[str, str], AngleCurve]
 """By head and motion."""
 
 
@@ -50,13 +50,13 @@ class PrintedPoint:
 
 
 @cache
-def measured_arms() -> Curves:
+def measured_arms() -> MotionCurves:
     """Return the moment arms that Ackland et al. 2008 measured, in flexion and abduction."""
     return _curves(read_rows('ackland2008_deltoid_moment_arms.csv'), 'head', 'moment_arm_mm')
 
 
 @cache
-def published_curves(quantity: str = 'moment_arm_mm') -> Mapping[str, Curves]:
+def published_curves(quantity: str = 'moment_arm_mm') -> Mapping[str, MotionCurves]:
     """Return curves of published models, by the model's name; LP ... are this project's.
 
     The angle is glenohumeral; with RHYTHM in the name it is that of the arm against the thorax.
@@ -87,9 +87,9 @@ def printed_positions(table: str) -> tuple[PrintedPoint, ...]:
         PrintedPoint(
             float(row['s']),
             (
-                METRES * float(row['x_mm']),
-                METRES * float(row['y_mm']),
-                METRES * float(row['z_mm']),
+                METRES['mm'] * float(row['x_mm']),
+                METRES['mm'] * float(row['y_mm']),
+                METRES['mm'] * float(row['z_mm']),
             ),
             row['erratum'],
         )
@@ -104,10 +104,10 @@ def read_rows(file: str) -> list[dict[str, str]]:
     return list(csv.DictReader(place.read_text(encoding='utf-8').splitlines()))
 
 
-def _curves(table: list[dict[str, str]], head: str, value: str) -> Curves:
+def _curves(table: list[dict[str, str]], head: str, value: str) -> MotionCurves:
     points: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for row in table:
         key = row[head], row['motion']
         angle = math.radians(float(row['angle_deg']))
-        points.setdefault(key, []).append((angle, METRES * float(row[value])))
+        points.setdefault(key, []).append((angle, METRES['mm'] * float(row[value])))
     return {key: AngleCurve(*np.array(rows).T) for key, rows in points.items()}

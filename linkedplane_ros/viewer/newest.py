@@ -14,12 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import ModelError
-from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..joints.joint_state import JointMap
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Floats, Intervals
 
-DEFAULT = 'flexion_abduction_rotation'
 MARKERS_KEPT = 10  # messages: one that clears and those after it stay together
 
 
@@ -61,7 +60,7 @@ class MuscleInfo:
         """
         conventions = JOINT_CONVENTIONS
         alike = [each for each in conventions.values() if each.coordinates == coordinates]
-        default = [*alike, conventions[DEFAULT]][0]
+        default = [*alike, THESIS_CONVENTION][0]
         convention = conventions.get(parameters.get('joint_convention', ''), default)
         coordinates = coordinates or convention.coordinates
         names = [name for name in parameters.get('joint_names', ()) if name]

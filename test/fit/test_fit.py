@@ -15,8 +15,8 @@ from random_muscles import random_poses
 
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.fit.checkpoint import Checkpoint
-from linkedplane_ros.fit.criterion import Criterion, States, Weights
-from linkedplane_ros.fit.fitting import Plan, Progress, Search, fit, fit_fingerprint
+from linkedplane_ros.fit.criterion import Criterion, FitStates, Weights
+from linkedplane_ros.fit.fitting import FitProgress, Plan, Search, fit, fit_fingerprint
 from linkedplane_ros.fit.parameters import Bound, build_space
 from linkedplane_ros.fit.polish import polish
 from linkedplane_ros.fit.swarm import Swarm, scatter_particles
@@ -51,7 +51,7 @@ def states_of(
     """Return the answer, its criterion, and the states of the search, as a file would hold them."""
     states: list[dict[str, Any]] = []
 
-    def follow(_: Progress, search: Search) -> None:
+    def follow(_: FitProgress, search: Search) -> None:
         states.append(json.loads(json.dumps(search.state())))
 
     found = fit(criterion, plan, watch, follow=follow)
@@ -64,7 +64,7 @@ def test_it_recovers_the_published_deltoid_from_10_percent_off(seed: int) -> Non
     assert criterion.value(criterion.space.start) > 50.0  # mm^2
     x = fit(criterion, POLISH).best
     states = criterion.states(x)
-    assert isinstance(states, States)
+    assert isinstance(states, FitStates)
     lengths, arms = (np.abs(off).mean() for off in criterion.deviations(states))
     assert lengths < 0.01  # mm; 0.1 is asked for
     assert arms < 0.02  # mm; 0.2 is asked for
@@ -74,7 +74,7 @@ def test_the_swarm_and_its_polish_recover_it_too() -> None:
     criterion = recovery(ten_percent_off(0))
     found = fit(criterion, Plan(particles=30, generations=15, polish=100))
     states = criterion.states(found.best)
-    assert isinstance(states, States)
+    assert isinstance(states, FitStates)
     assert max(np.abs(off).mean() for off in criterion.deviations(states)) < 0.1  # mm
     assert found.value < 1e-2 * criterion.value(criterion.space.start)
 
@@ -140,7 +140,7 @@ def test_bands_are_let_into_the_spheres_less_and_less() -> None:
     deepest = []
     for _, best in found.best_of:
         states = quick(weights).states(best)
-        assert isinstance(states, States)
+        assert isinstance(states, FitStates)
         deepest.append(states.depths.max())
     assert deepest == sorted(deepest, reverse=True)
 

@@ -15,7 +15,7 @@ from random_muscles import random_poses
 from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, States, Weights, pose_grid
+from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, FitStates, Weights, pose_grid
 from linkedplane_ros.fit.measurements import Data, Measurement
 from linkedplane_ros.fit.parameters import build_space
 from linkedplane_ros.fit.space import Space
@@ -151,7 +151,7 @@ def test_the_kernel_solves_as_the_solver_does() -> None:
     more = random_poses(200, 3)
     criterion, parameters = criterion_of(simulated(DELTOID), Weights(), more)
     found, expected = criterion.states(parameters.start), SOLVER.solve_batch(criterion.rotations)
-    assert isinstance(found, States)
+    assert isinstance(found, FitStates)
     k = criterion.measured
     np.testing.assert_allclose(found.lengths, expected.lengths[:k], rtol=0.0, atol=1e-13)
     np.testing.assert_allclose(found.moments, expected.moment_vectors[:k], rtol=0.0, atol=1e-10)
@@ -187,6 +187,6 @@ def test_a_band_that_turns_over_the_one_before_it_is_out_of_order() -> None:
         assert criterion.side == side  # as the bands of the model that is fitted are numbered
         for of, sign in ((criterion, 1.0), (replace(criterion, side=-side), -1.0)):
             states = of.states(parameters.start)
-            assert isinstance(states, States)
+            assert isinstance(states, FitStates)
             assert not (states.wrap == WrapState.INSIDE).any()
             assert (sign * states.gaps[0] > 0.0).all()

@@ -12,7 +12,7 @@ from optional import requires
 
 import linkedplane_ros
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.fit.criterion import Criterion, States, Weights
+from linkedplane_ros.fit.criterion import Criterion, FitStates, Weights
 from linkedplane_ros.fit.data import read_data
 from linkedplane_ros.fit.fitting import Plan, fit
 from linkedplane_ros.fit.parameters import build_space
@@ -37,7 +37,7 @@ def criterion(muscle: BroadMuscle, scale: float = TWO_THIRDS) -> Criterion:
 def mean_off(one: Criterion, x: np.ndarray) -> float:
     """Return the mean deviation of the moment arms, mm."""
     states = one.states(x)
-    assert isinstance(states, States)
+    assert isinstance(states, FitStates)
     return float(np.abs(one.deviations(states)[1]).mean())
 
 

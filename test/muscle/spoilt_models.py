@@ -13,10 +13,10 @@ Write = Callable[[Any], Path]
 
 def spoil(content: Content, key: str, value: Any) -> Content:
     """Put a value (... removes it) under a dotted key."""
-    *sections, last = key.split('.')
+    *outer, last = key.split('.')
     here = content
-    for section in sections:
-        here = here[section]
+    for name in outer:
+        here = here[name]
     if value is ...:
         del here[last]
     else:

@@ -12,7 +12,7 @@ import pytest
 
 from linkedplane_ros import BroadMuscle, Head, Landmark, ModelError
 from linkedplane_ros.errors import FieldError
-from linkedplane_ros.muscle.parts import Listed, Polynomial, Span, Sphere
+from linkedplane_ros.muscle.parts import InterferenceSphere, Listed, Polynomial, Span
 
 DELTOID = BroadMuscle.load('deltoid')
 NAMES = DELTOID.band_names
@@ -183,7 +183,7 @@ def test_a_muscle_made_anew_is_checked_as_one_that_is_changed() -> None:
             r'landmark tip: at: nan given at \[1\], a finite number expected',
         ),
         (
-            lambda: Sphere('ball', (0.0, 0.0, 0.0), np.inf),
+            lambda: InterferenceSphere('ball', (0.0, 0.0, 0.0), np.inf),
             'interference sphere ball: radius: inf given, a finite number expected',
         ),
     ],

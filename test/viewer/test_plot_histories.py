@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from linkedplane_ros.viewer.panels.history import Curve, Recent, merge_curves, widen_range
+from linkedplane_ros.viewer.panels.history import CoordinateCurve, Recent, merge_curves, widen_range
 
 
 def test_the_last_seconds_are_kept_in_order() -> None:
@@ -18,7 +18,7 @@ def test_the_last_seconds_are_kept_in_order() -> None:
 
 
 def test_a_curve_has_one_value_a_degree_whichever_way_it_was_gone() -> None:
-    curve = Curve(1, -180.0, 180.0, 1.0)
+    curve = CoordinateCurve(1, -180.0, 180.0, 1.0)
     there = np.arange(0.0, 60.0, 0.1)
     for angle in [*there, *there[::-1], 400.0]:
         curve.add(angle, [2.0 * angle])

@@ -39,7 +39,7 @@ class Recent:
         return np.asarray(rows[rows[:, 0] >= rows[-1, 0] - seconds]) if len(rows) else rows
 
 
-class Curve:
+class CoordinateCurve:
     """The newest row of numbers at each step of a coordinate: a curve.
 
     The muscle's state depends on the pose alone, so each step has one value while the other

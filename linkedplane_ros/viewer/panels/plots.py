@@ -11,10 +11,12 @@ import numpy as np
 import viser
 from viser import uplot
 
-from ...drawing.colours import HEAD_COLOURS
+from ...drawing.colours import head_colour
+from ...drawing.units import MILLIMETRES
 from ...types import Floats, Interval
 from ..newest import MuscleInfo, Values
-from .history import Curve, Recent, merge_curves, widen_range
+from ..scene.colour_map import css_colour
+from .history import CoordinateCurve, Recent, merge_curves, widen_range
 
 SPAN = 20.0  # s, of the time axis
 RATE = 60  # rows a second at most
@@ -27,7 +29,6 @@ PADDING = (8, 24, 0, 0)  # px, from the top clockwise
 UP = ('length, mm', 'moment arm, mm')
 RETIRED = 5.0  # s that a plot is hidden before it is removed
 ROUND = 20.0  # mm: the ends of a plot are multiples of it
-MILLIMETRES = 1e3
 NOTE = 'style="padding:0 0.9em;font-size:0.8em"'
 DASH = (6, 4)  # px, of the second muscle's lines
 
@@ -104,7 +105,8 @@ class Plots:
         count = sum(len(info.heads) for info in self._muscles)
         self._recent = Recent(4 * count, round(SPAN * RATE))
         self._curves = [
-            [Curve(4 * len(info.heads), *DEGREES) for _ in range(3)] for info in self._muscles
+            [CoordinateCurve(4 * len(info.heads), *DEGREES) for _ in range(3)]
+            for info in self._muscles
         ]
         self._shown: tuple[str, int] | None = None
         self._retire_plots()
@@ -181,10 +183,8 @@ def plot_series(muscles: Sequence[tuple[str, MuscleInfo]]) -> list[Any]:
     lines = []
     for k, (name, info) in enumerate(muscles):
         for i, (head, _) in enumerate(info.heads):
-            red, green, blue = (round(255 * c) for c in HEAD_COLOURS[i % len(HEAD_COLOURS)])
-            line = uplot.Series(
-                label=f'{head} {name}'.strip(), stroke=f'rgb({red},{green},{blue})', width=2
-            )
+            colour = css_colour(head_colour(i))
+            line = uplot.Series(label=f'{head} {name}'.strip(), stroke=colour, width=2)
             if k:
                 line['dash'] = DASH
             lines.append(line)

@@ -13,7 +13,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from ...types import Bytes, Floats
+from ...types import Bytes, Colour, Floats
 
 # lightness and the two axes of colour: visible on dark and light grounds, and within sRGB
 ZERO = np.array((0.74, 0.0, 0.0))
@@ -72,6 +72,12 @@ def round_up(value: float) -> float:
     return next(
         step * power for step in (1.0, 2.0, 5.0, 10.0, 20.0) if step * power >= value * (1 - 1e-9)
     )
+
+
+def css_colour(colour: Colour) -> str:
+    """Return a colour as CSS has it."""
+    red, green, blue = (round(255 * part) for part in colour)
+    return f'rgb({red},{green},{blue})'
 
 
 def legend_html(title: str, limit: float, unit: str) -> str:

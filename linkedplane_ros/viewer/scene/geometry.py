@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ...types import Bytes, Floats
-from .wire import (
+from ...drawing.shapes import (
     CYLINDER,
     DELETE,
     DELETE_ALL,
@@ -22,8 +21,9 @@ from .wire import (
     SPHERE,
     SPHERE_LIST,
     TRIANGLE_LIST,
-    Marker,
 )
+from ...types import Bytes, Floats
+from .wire import Marker
 
 Markers = dict[tuple[str, int], Marker]
 BANDS = 'bands'

@@ -9,13 +9,13 @@ import numpy as np
 import numpy.typing as npt
 import viser
 
-from ...drawing.colours import HEAD_COLOURS
+from ...drawing.colours import head_colour
+from ...drawing.units import MILLIMETRES
 from ...types import Floats
 from ..newest import MuscleInfo, Values
-from .colour_map import legend_html, map_colours, round_up
+from .colour_map import css_colour, legend_html, map_colours, round_up
 
 HEAD, LENGTH, ARM = 'head', 'length change', 'moment arm'
-MILLIMETRES = 1e3
 HIDEABLE = {
     'obstacle spheres': ('obstacle_spheres', False),
     'interference spheres': ('interference_spheres', False),
@@ -130,7 +130,8 @@ def heads_legend_html(heads: list[str]) -> str:
     """Return the names of the heads beside their colours, as HTML."""
     items = []
     for i, head in enumerate(heads):
-        colour = ','.join(str(round(255 * c)) for c in HEAD_COLOURS[i % len(HEAD_COLOURS)])
-        chip = f'background:rgb({colour});display:inline-block;width:1em;height:0.7em'
+        chip = (
+            f'background:{css_colour(head_colour(i))};display:inline-block;width:1em;height:0.7em'
+        )
         items.append(f'<span style="margin-right:0.9em"><i style="{chip}"></i> {head}</span>')
     return f'<div style="padding:0 0.9em 0.6em;font-size:0.8em">{"".join(items)}</div>'

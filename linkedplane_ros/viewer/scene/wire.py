@@ -15,9 +15,6 @@ from ...errors import LinkedPlaneError
 from ...types import Floats
 
 ENCAPSULATION = 4  # bytes before the message; alignment counts from behind them
-# visualization_msgs/Marker
-CYLINDER, SPHERE, LINE_STRIP, LINE_LIST, SPHERE_LIST, TRIANGLE_LIST = 3, 2, 4, 5, 7, 11
-ADD, DELETE, DELETE_ALL = 0, 2, 3
 
 
 @dataclass(frozen=True, eq=False)
