@@ -44,6 +44,7 @@ class PassThrough(Node):
         self.markers = MuscleMarkers(muscle, 'scapula', 16)
         self.limiter = RateLimiter(30.0)
         self.answers = Answers(muscle.band_names, ('x', 'y', 'z'), 'scapula')
+        self.on_demand = {topic.name for topic in OUTPUTS if topic.on_demand}
         self.outputs = {
             topic.name: self.create_publisher(
                 message_class(topic.type),
@@ -67,7 +68,8 @@ class PassThrough(Node):
         for name, answer in self.answers.update(
             stamp, state, state.moment_vectors, state.lengths
         ).items():
-            outputs[name].publish(answer)
+            if name not in self.on_demand or outputs[name].get_subscription_count():
+                outputs[name].publish(answer)
         if outputs['markers'].get_subscription_count() and self.limiter.allows(
             stamp.sec + 1e-9 * stamp.nanosec, perf_counter()
         ):

@@ -87,6 +87,8 @@ def _add_output(output: argparse._ArgumentGroup) -> None:
     add = output.add_argument
     add('--frame-id', default='scapula', metavar='NAME',
         help='the frame of the outputs (default: %(default)s)')
+    add('--plain', action='store_true',
+        help='a .csv that begins with its header; what else it would say stands in OUT.facts.yaml')
     add('--no-markers', dest='markers', action='store_false', help='leave the markers out of a bag')
     # fmt: on
 

@@ -11,7 +11,7 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout
 
-from ..processing.topics import ANSWERS, dimension_names, label_dimensions
+from ..processing.topics import ANSWERS, dimension_names, label_dimensions, moment_arm_names
 from ..solver.states import MuscleState
 from ..types import Floats
 
@@ -38,9 +38,9 @@ class Answers:
     Parameters
     ----------
     bands, coordinates
-        The names in the layouts of the arrays; the bands are the joints of `band_states`.
+        The names in the layouts of the arrays, and of the joints of the states.
     frame_id
-        The frame of `band_states`.
+        The frame of the states.
 
     """
 
@@ -52,8 +52,12 @@ class Answers:
                 self._topics[topic.name].layout = layout(
                     *((kind, names[kind]) for kind in topic.dimensions)
                 )
-        states = self._topics['band_states']
-        states.name, states.header.frame_id = list(bands), frame_id
+        for topic, joints in (
+            ('band_states', list(bands)),
+            ('moment_arm_states', moment_arm_names(bands, coordinates)),
+        ):
+            states = self._topics[topic]
+            states.name, states.header.frame_id = joints, frame_id
 
     def update(
         self, stamp: Time, state: MuscleState, arms: Floats, lengthening: Floats | None
@@ -75,11 +79,15 @@ class Answers:
         topics = self._topics
         lengths = array('d', state.lengths.tobytes())
         topics['band_lengths'].data = lengths
-        topics['moment_arms'].data = array('d', arms.tobytes())
+        moment_arms = array('d', arms.tobytes())
+        topics['moment_arms'].data = moment_arms
         topics['wrap_states'].data = array('B', state.wrap.tobytes())
         topics['moment_vectors'].data = array('d', state.moment_vectors.tobytes())
         states = topics['band_states']
         states.header.stamp = stamp
         states.position = lengths
         states.velocity = array('d', b'' if lengthening is None else lengthening.tobytes())
+        arm_states = topics['moment_arm_states']
+        arm_states.header.stamp = stamp
+        arm_states.position = moment_arms
         return topics

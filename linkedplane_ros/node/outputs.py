@@ -54,6 +54,11 @@ class MuscleOutputs:
         except RuntimeError:
             self.close()
             raise
+        self._on_demand = {
+            topic.name
+            for topic in OUTPUTS
+            if topic.on_demand and not qos.is_latched(self.topics[topic.name])
+        }
 
     def apply(self, settings: Settings, solver: LinkedPlaneSolver, logger: RcutilsLogger) -> None:
         """Use these settings from now on; what cannot be answered is logged."""
@@ -127,8 +132,9 @@ class MuscleOutputs:
         lengthening = None if speeds is None else answer.lengthening
         messages = self._answers.update(stamp, state, answer.moment_arms, lengthening)
         for name, message in messages.items():
-            topics[name].publish(message)
-        if topics['markers'].get_subscription_count() and self._limiter.allows(
+            if self._is_wanted(name):
+                topics[name].publish(message)
+        if self._is_wanted('markers') and self._limiter.allows(
             stamp.sec + 1e-9 * stamp.nanosec, start
         ):
             self._publish_markers(state, stamp)
@@ -138,6 +144,10 @@ class MuscleOutputs:
         end = perf_counter()
         tally.callback_times.append(end - start)
         return end
+
+    def _is_wanted(self, topic: str) -> bool:
+        """Return whether somebody may read a topic; a latched one is kept for those to come."""
+        return topic not in self._on_demand or bool(self.topics[topic].get_subscription_count())
 
     def _publish_markers(self, state: MuscleState, stamp: Time) -> None:
         """Publish the markers of a state; before the first, remove any older ones."""

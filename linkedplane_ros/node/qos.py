@@ -53,6 +53,11 @@ def overridable_policies() -> QoSOverridingOptions:
     )
 
 
+def is_latched(publisher: Publisher) -> bool:
+    """Return whether a publisher's messages are kept for subscribers that come later."""
+    return bool(publisher.qos_profile.durability == LATCHED)
+
+
 @contextmanager
 def override_errors() -> Iterator[None]:
     """Turn what rclpy raises for a wrong override into a LinkedPlaneError of one line."""

@@ -63,7 +63,7 @@ def topic_rows(topics: Iterable[Topic], prefix: str = '') -> list[tuple[str, str
             f'`{prefix}{topic.name}`',
             topic.type.replace('/msg/', '/'),
             f'{topic.reliability.replace("_", " ")}, depth {topic.depth}',
-            topic.meaning,
+            topic.meaning + ' Only while somebody subscribes.' * topic.on_demand,
         )
         for topic in topics
     ]

@@ -18,7 +18,14 @@ import numpy.typing as npt
 from ..errors import RecordingError
 from ..recordings.bags import JOINT_STATE
 from ..types import Bytes, Floats, Stamps
-from .topics import ANSWERS, UINT8_ARRAY, Topic, dimension_names, label_dimensions
+from .topics import (
+    ANSWERS,
+    UINT8_ARRAY,
+    Topic,
+    dimension_names,
+    label_dimensions,
+    moment_arm_names,
+)
 
 STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # an example, found again in the bytes
 
@@ -103,7 +110,9 @@ class JointStateSerializer:
             places['velocity'] = velocity
         return MessageTemplate(bytes(store.serialize_cdr(message, JOINT_STATE)), **places)
 
-    def serialize(self, stamps: Stamps, positions: Floats, velocities: Floats) -> list[bytes]:
+    def serialize(
+        self, stamps: Stamps, positions: Floats, velocities: Floats | None = None
+    ) -> list[bytes]:
         """Return the messages.
 
         Parameters
@@ -111,10 +120,13 @@ class JointStateSerializer:
         stamps
             (m,) ns.
         positions, velocities
-            (m, n); a message with an unknown velocity, NaN, has no velocities.
+            (m, n); a message with an unknown velocity, NaN, has no velocities. None: no message
+            has any.
         """
         split = split_stamps(stamps)
         made = self._still.fill(len(stamps), stamp=split, position=positions)
+        if velocities is None:
+            return made
         known = np.flatnonzero(np.isfinite(velocities).all(axis=1))
         moving = self._moving.fill(
             len(known), stamp=split[known], position=positions[known], velocity=velocities[known]
@@ -151,6 +163,9 @@ class AnswerSerializer:
             if topic.dimensions
         }
         self._states = JointStateSerializer(store, bands, frame_id)
+        self._arm_states = JointStateSerializer(
+            store, moment_arm_names(bands, coordinates), frame_id
+        )
 
     def _message(self, kind: str, **fields: Any) -> Any:
         return self._store.types[kind](**fields)
@@ -210,4 +225,5 @@ class AnswerSerializer:
             )
         }
         made['band_states'] = self._states.serialize(stamps, lengths, lengthening)
+        made['moment_arm_states'] = self._arm_states.serialize(stamps, arms)
         return {topic.name: made[topic.name] for topic in ANSWERS}

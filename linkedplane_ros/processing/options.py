@@ -60,6 +60,8 @@ class Options:
     """Whether the velocities are differences in time, even where some were recorded."""
     markers: bool = True
     """Whether a bag gets the markers, too."""
+    plain: bool = False
+    """Whether a CSV begins with its header; the facts are in a file beside it."""
     force: bool = False
     """Whether an output that exists is replaced."""
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
+import yaml
 
 from ..errors import RecordingError
 from ..files import remove_path
@@ -23,6 +24,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Chunk
 from ..solver.states import MuscleStates
 from ..types import Bytes, Floats
+from .topics import moment_arm_names
 
 ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}
 TABLE_ENDINGS = {'.csv': 'csv', '.parquet': 'parquet'}
@@ -130,7 +132,7 @@ def column_names(description: OutputDescription) -> list[str]:
         'theta',
         *(f'band_lengths/{band}' for band in bands),
         *(f'lengthening/{band}' for band in bands),
-        *(f'moment_arms/{band}/{each}' for band in bands for each in description.coordinates),
+        *(f'moment_arms/{each}' for each in moment_arm_names(bands, description.coordinates)),
         *(f'moment_vectors/{band}/{axis}' for band in bands for axis in 'xyz'),
         *(f'wrap_states/{band}' for band in bands),
     ]
@@ -153,14 +155,35 @@ def table_rows(solved: SolvedChunk) -> tuple[Floats, Bytes]:
     return numbers, states.wrap
 
 
-class CsvOutput:
-    """A CSV file: a row for each frame; the facts are lines with # before the header."""
+def facts_file(path: Path) -> Path:
+    """Return the file beside a plain CSV that has its facts: of `a.csv`, `a.csv.facts.yaml`."""
+    return path.with_name(f'{path.name}.facts.yaml')
 
-    def __init__(self, path: Path, description: OutputDescription) -> None:
-        """Write the header."""
+
+class CsvOutput:
+    """A CSV file: a row for each frame; the facts are lines with # before the header.
+
+    Parameters
+    ----------
+    path
+        Where the table is written.
+    description
+        What the output says of itself.
+    facts_path
+        Where the facts are written, as YAML; None: into the table.
+    """
+
+    def __init__(
+        self, path: Path, description: OutputDescription, facts_path: Path | None = None
+    ) -> None:
+        """Write the facts and the header."""
         self._file = path.open('w', encoding='utf-8', newline='')
-        for name, fact in description.facts.items():
-            self._file.write(f'# {name}: {fact}\n')
+        if facts_path is not None:
+            text = yaml.safe_dump(dict(description.facts), sort_keys=False, allow_unicode=True)
+            facts_path.write_text(text, encoding='utf-8')
+        else:
+            for name, fact in description.facts.items():
+                self._file.write(f'# {name}: {fact}\n')
         self._file.write(','.join(column_names(description)) + '\n')
 
     def write(self, solved: SolvedChunk) -> None:

@@ -22,7 +22,8 @@ from ..recordings.bag_motion import JointFrameReader
 from ..recordings.bags import deserialize_message, open_bag
 from ..recordings.motion import Frame
 from ..types import Floats
-from .topics import BAND, COORDINATE, read_label
+from .outputs import facts_file
+from .topics import BAND, COORDINATE, moment_arm_names, read_label
 
 
 def read_processed(path: Path) -> ProcessedRecording:
@@ -52,7 +53,7 @@ def read_processed(path: Path) -> ProcessedRecording:
 
 
 def read_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
-    """Return the facts and the columns of a CSV output."""
+    """Return the facts, in it or beside it, and the columns of a CSV output."""
     facts: dict[str, str] = {}
     with path.open(encoding='utf-8', newline='') as file:
         for line in file:
@@ -65,7 +66,17 @@ def read_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
         names = next(csv.reader([line]), [])
         values = [[float(cell) if cell else np.nan for cell in row] for row in csv.reader(file)]
     numbers = np.array(values, dtype=np.float64).reshape(len(values), len(names))
+    if not facts and facts_file(path).is_file():
+        facts = read_facts(facts_file(path))
     return facts, dict(zip(names, numbers.T, strict=True))
+
+
+def read_facts(path: Path) -> dict[str, str]:
+    """Return the facts that stand in a file beside a plain CSV."""
+    try:
+        return dict(yaml.safe_load(path.read_text(encoding='utf-8')))
+    except (yaml.YAMLError, TypeError, ValueError):
+        raise RecordingError(f'{path.name}: not YAML of the form name: value') from None
 
 
 def read_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
@@ -113,7 +124,7 @@ def read_bag_columns(path: Path, muscle: str, frame_reader: JointFrameReader) ->
     for topic in ('band_lengths', 'wrap_states'):
         values = np.array(answers[topic]).T
         columns |= {f'{topic}/{band}': each for band, each in zip(bands, values, strict=True)}
-    pairs = [f'moment_arms/{band}/{name}' for band in bands for name in coordinates]
+    pairs = [f'moment_arms/{name}' for name in moment_arm_names(bands, coordinates)]
     return columns | dict(zip(pairs, np.array(answers['moment_arms']).T, strict=True))
 
 
@@ -151,7 +162,7 @@ def assemble(
     """Return the columns of an output as arrays; KeyError or ValueError if they are not there."""
     coordinates = tuple(name[7:] for name in columns if name.startswith('angles/'))
     bands = tuple(name[13:] for name in columns if name.startswith('band_lengths/'))
-    arms = [columns[f'moment_arms/{band}/{each}'] for band in bands for each in coordinates]
+    arms = [columns[f'moment_arms/{name}'] for name in moment_arm_names(bands, coordinates)]
     times = columns['time']
     if not len(times):
         raise RecordingError('no frames in it')

@@ -7,8 +7,8 @@ A recording is processed in chunks. Tasks share nothing; `workers` runs many.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from contextlib import closing
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -34,6 +34,7 @@ from .outputs import (
     ParquetOutput,
     SolvedChunk,
     choose_format,
+    facts_file,
     replace_output,
 )
 
@@ -119,10 +120,16 @@ def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDe
     )
 
 
-def open_output(path: Path, kind: str, description: OutputDescription, motion: Motion) -> Output:
-    """Open an output of a kind, bag, csv or parquet, for the frames of a motion."""
+def open_output(
+    paths: Sequence[Path], kind: str, description: OutputDescription, motion: Motion
+) -> Output:
+    """Open an output of a kind, bag, csv or parquet, for the frames of a motion.
+
+    A second path is where the facts of a plain CSV are written.
+    """
+    path = paths[0]
     if kind == 'csv':
-        return CsvOutput(path, description)
+        return CsvOutput(path, description, *paths[1:])
     if kind == 'parquet':
         return ParquetOutput(path, description)
     return BagOutput(path, description, motion.path if motion.keeps_records else None)
@@ -197,10 +204,17 @@ def _run(task: Task, progress: Progress) -> Report:
     if target == source or target in source.parents:
         raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
     kind = choose_format(task.target, options.kind)
+    targets = [task.target]
+    if options.plain:
+        if kind != 'csv':
+            raise RecordingError(f'{task.target}: --plain is for .csv; the output is {kind}')
+        targets.append(facts_file(task.target))
     motion = open_motion(task)
     motion.keeps_records = motion.keeps_records and kind == 'bag'
     frames = outside = 0
-    with replace_output(task.target, options.force, kind == 'bag') as beside:
+    with ExitStack() as stack:
+        replaced = (replace_output(each, options.force, kind == 'bag') for each in targets)
+        beside = [stack.enter_context(each) for each in replaced]
         description = describe_output(task, muscle, motion)
         with closing(open_output(beside, kind, description, motion)) as out:
             for chunk in motion.chunks():
@@ -212,6 +226,8 @@ def _run(task: Task, progress: Progress) -> Report:
         if not frames:
             first = next(iter(motion.refused.first.values()), 'no frames in it')
             raise RecordingError(f'{task.source}: nothing was usable: {first}')
+    if options.force and not options.plain:
+        facts_file(task.target).unlink(missing_ok=True)  # of a plain CSV that was there before
     refused = motion.refused
     return Report(
         task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside

@@ -33,6 +33,8 @@ class Topic:
     """`reliable` or `best_effort`."""
     depth: int = 2000
     """Messages in the queue: at 500 Hz, what a reader may lose in a heartbeat (3 s) comes again."""
+    on_demand: bool = False
+    """Whether the node publishes it only while somebody subscribes."""
 
 
 ANSWERS = (
@@ -66,6 +68,14 @@ ANSWERS = (
         'frame. Moment arms that need no convention and have no singularity.',
         (BAND, AXIS),
     ),
+    Topic(
+        'moment_arm_states',
+        JOINT_STATE,
+        'The moment arms as joints, for tools that plot by name. A name is a band and one of the '
+        "convention's coordinates, as in `anterior_1/flexion`, in the order of `moment_arms`; "
+        'position = moment arm, m, of the same sign.',
+        on_demand=True,
+    ),
 )
 """One message on each, in this order, for every joint state that is used."""
 
@@ -73,15 +83,20 @@ MARKERS = Topic(
     'markers',
     'visualization_msgs/msg/MarkerArray',
     'Namespaces `bands`, `attachments`, `bones`, `obstacle_spheres`, `planes` (of the bands), '
-    '`interference_spheres` and `interferences` (where a band is deepest in one of them); only '
-    'while somebody subscribes.',
+    '`interference_spheres` and `interferences` (where a band is deepest in one of them).',
     depth=10,
+    on_demand=True,
 )
 
 
 def dimension_names(bands: Sequence[str], coordinates: Sequence[str]) -> dict[str, Sequence[str]]:
     """Return what each kind of dimension counts, by name."""
     return {BAND: bands, COORDINATE: coordinates, AXIS: ('x', 'y', 'z')}
+
+
+def moment_arm_names(bands: Sequence[str], coordinates: Sequence[str]) -> list[str]:
+    """Return the name of each moment arm, `band/coordinate`, in the order of `moment_arms`."""
+    return [f'{band}/{coordinate}' for band in bands for coordinate in coordinates]
 
 
 def label_dimensions(*dimensions: tuple[str, Sequence[str]]) -> list[tuple[str, int, int]]:

@@ -114,8 +114,12 @@ def test_an_example_runs_through_the_node(name: str, tmp_path: Path, ros: Any) -
     for k, pose in enumerate(poses):
         state = solver.solve(THESIS.rotation(pose))
         arms = state.moment_vectors @ THESIS.axes(pose)
-        lengths, found_arms, bands, wrap, vectors = (peer.got[topic][k] for topic in ANSWERS)
+        lengths, found_arms, bands, wrap, vectors, arm_states = (
+            peer.got[topic][k] for topic in ANSWERS
+        )
         assert tuple(bands.name) == muscle.band_names
+        assert arm_states.name == [f'{b}/{c}' for b in bands.name for c in THESIS.coordinates]
+        assert arm_states.position == found_arms.data
         np.testing.assert_allclose(lengths.data, state.lengths, rtol=0.0, atol=EXACT)
         np.testing.assert_allclose(np.reshape(found_arms.data, (n, 3)), arms, rtol=0.0, atol=EXACT)
         np.testing.assert_allclose(

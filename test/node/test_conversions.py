@@ -114,6 +114,29 @@ def test_bands_are_joints_with_lengths_as_positions_and_lengthening_as_velocitie
     assert len(message.effort) == 0
 
 
+def test_moment_arms_are_joints_named_by_band_and_coordinate_in_the_order_of_the_array() -> None:
+    made = answers()
+    message = received(made['moment_arm_states'])
+    assert message.header == received(made['band_states']).header
+    for i, band in enumerate(BANDS):
+        for j, coordinate in enumerate(THESIS.coordinates):
+            assert message.name[3 * i + j] == f'{band}/{coordinate}'
+            assert message.position[3 * i + j] == ARMS[i, j]
+    assert len(message.name) == len(message.position) == ARMS.size
+    assert len(message.velocity) == len(message.effort) == 0
+
+
+def test_the_names_of_moment_arms_are_the_conventions_coordinates() -> None:
+    isb = JOINT_CONVENTIONS['isb_yxy']
+    made = Answers(BANDS, isb.coordinates, 'scapula').update(STAMP, STATE, ARMS, None)
+    assert made['moment_arm_states'].name[:4] == [
+        'anterior_1/plane_of_elevation',
+        'anterior_1/elevation',
+        'anterior_1/axial_rotation',
+        'anterior_2/plane_of_elevation',
+    ]
+
+
 def test_without_speeds_the_velocity_is_empty_though_the_last_ones_was_not() -> None:
     made = Answers(BANDS, THESIS.coordinates, 'scapula')
     assert len(made.update(STAMP, STATE, ARMS, STATE.lengths)['band_states'].velocity) == 9

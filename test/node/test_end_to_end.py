@@ -62,13 +62,15 @@ def check_answers(peer: Peer, inputs: list[JointState], convention: str, names=(
     assert peer.counts() == dict.fromkeys(ANSWERS, len(inputs))
     for k, message in enumerate(inputs):
         want = expected(message, convention, names)
-        lengths, arms, state, wrap, vectors = (peer.got[topic][k] for topic in ANSWERS)
+        lengths, arms, state, wrap, vectors, arm_states = (peer.got[topic][k] for topic in ANSWERS)
         assert state.header.stamp == message.header.stamp
         assert np.abs(np.array(lengths.data) - want[:, 0]).max() <= EXACT
         assert np.abs(np.array(state.position) - want[:, 0]).max() <= EXACT
         assert np.abs(np.array(arms.data).reshape(-1, 3) - want[:, 1:4]).max() <= EXACT
         assert np.abs(np.array(vectors.data).reshape(-1, 3) - want[:, 4:]).max() <= EXACT
         assert len(wrap.data) == len(want)
+        assert arm_states.header == state.header
+        assert arm_states.position == arms.data
 
 
 @pytest.mark.parametrize(
@@ -214,7 +216,7 @@ def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, n
         assert peer.answers(1)
     finally:
         assert process.stop() == 0
-    lengths, arms, state, wrap, vectors = (peer.got[topic][0] for topic in ANSWERS)
+    lengths, arms, state, wrap, vectors, arm_states = (peer.got[topic][0] for topic in ANSWERS)
     rounding = 1e-11  # m: the files hold twelve decimals
     assert lengths.layout.dim[0].label == 'band:' + ','.join(want['bands'])
     assert arms.layout.dim[1].label == 'coordinate:' + ','.join(want['coordinates'])
@@ -223,6 +225,10 @@ def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, n
     assert np.allclose(
         np.array(arms.data).reshape(-1, 3), want['moment_arms'], rtol=0, atol=rounding
     )
+    by_name = dict(zip(arm_states.name, arm_states.position, strict=True))
+    for band, row in zip(want['bands'], want['moment_arms'], strict=True):
+        for coordinate, arm in zip(want['coordinates'], row, strict=True):
+            assert by_name[f'{band}/{coordinate}'] == pytest.approx(arm, rel=0, abs=rounding)
     assert np.allclose(state.velocity, want['lengthening_velocity'], rtol=0, atol=rounding)
     assert list(wrap.data) == [
         ('WRAPPED', 'CLEAR', 'MISSED', 'INSIDE').index(wrap) for wrap in want['wrap_states']
@@ -232,6 +238,7 @@ def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, n
 def test_the_topics_and_their_types_are_those_promised(node: NodeProcess, peer: Peer) -> None:
     found = dict(peer.get_topic_names_and_types())
     assert found['/deltoid/band_states'] == ['sensor_msgs/msg/JointState']
+    assert found['/deltoid/moment_arm_states'] == ['sensor_msgs/msg/JointState']
     assert found['/deltoid/wrap_states'] == ['std_msgs/msg/UInt8MultiArray']
     assert found['/deltoid/markers'] == ['visualization_msgs/msg/MarkerArray']
     assert found['/diagnostics'] == ['diagnostic_msgs/msg/DiagnosticArray']

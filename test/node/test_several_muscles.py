@@ -77,6 +77,9 @@ def check_newest(reader: Peer, muscle: BroadMuscle, side: str = 'right', pose: A
         ('wrap_states', want.wrap),
     ):
         np.testing.assert_allclose(got[topic].data, values, rtol=0.0, atol=EXACT)
+    arms, names = got['moment_arm_states'], muscle.band_names
+    assert arms.name == [f'{band}/{each}' for band in names for each in THESIS.coordinates]
+    assert arms.position == got['moment_arms'].data
     states = got['band_states']
     assert tuple(states.name) == muscle.band_names
     np.testing.assert_allclose(states.position, want.lengths, rtol=0.0, atol=EXACT)

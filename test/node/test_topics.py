@@ -14,6 +14,7 @@ def test_the_topics_are_those_that_were_promised() -> None:
         ('band_states', 'sensor_msgs/msg/JointState'),
         ('wrap_states', 'std_msgs/msg/UInt8MultiArray'),
         ('moment_vectors', 'std_msgs/msg/Float64MultiArray'),
+        ('moment_arm_states', 'sensor_msgs/msg/JointState'),
         ('markers', 'visualization_msgs/msg/MarkerArray'),
         ('/diagnostics', 'diagnostic_msgs/msg/DiagnosticArray'),
     ]
@@ -24,5 +25,7 @@ def test_the_table_has_a_row_for_each_topic() -> None:
     assert rows[0][:3] == ('`joint_states`', 'sensor_msgs/JointState', 'best effort, depth 100')
     assert rows[2][:3] == ('`deltoid/band_lengths`', 'std_msgs/Float64MultiArray',
                            'reliable, depth 2000')  # fmt: skip
-    assert len({name for name, *_ in rows}) == 8
+    assert len({name for name, *_ in rows}) == 9
     assert all(meaning.endswith('.') for *_, meaning in rows)
+    demanded = [name for name, *_, meaning in rows if 'Only while somebody subscribes.' in meaning]
+    assert demanded == ['`deltoid/moment_arm_states`', '`deltoid/markers`']

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import yaml
 from bags import (
     BAG,
     exit_status,
@@ -17,7 +19,9 @@ from bags import (
     write_bag,
 )
 
+from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.processing.inputs import find_recordings
+from linkedplane_ros.processing.reading import read_processed
 
 
 def test_an_output_that_exists_is_left_alone_without_force(
@@ -161,3 +165,67 @@ def test_a_folder_holds_bags_and_tables_in_the_order_of_their_names(tmp_path: Pa
         (tmp_path / name).touch()
     found, faults = find_recordings([str(tmp_path)])
     assert ([each.name for each in found], faults) == (['a.sto', 'b', 'c.mot', 'd.CSV'], [])
+
+
+def test_a_plain_table_begins_with_its_header_and_has_its_facts_beside_it(tmp_path: Path) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    usual, plain = tmp_path / 'usual.csv', tmp_path / 'plain.csv'
+    assert exit_status([str(source), str(usual)]) == 0
+    assert exit_status([str(source), str(plain), '--plain']) == 0
+    assert sorted(each.name for each in tmp_path.iterdir()) == [
+        'in', 'plain.csv', 'plain.csv.facts.yaml', 'usual.csv',
+    ]  # fmt: skip
+    lines = usual.read_text().splitlines()
+    table = [line for line in lines if not line.startswith('#')]
+    assert plain.read_text().splitlines() == table
+    assert table[0].startswith('time,')
+    facts = yaml.safe_load((tmp_path / 'plain.csv.facts.yaml').read_text())
+    assert [f'# {name}: {fact}' for name, fact in facts.items()] == lines[: -len(table)]
+    one, other = read_processed(usual), read_processed(plain)
+    assert other.title == one.title.replace('usual.csv', 'plain.csv')
+    assert other.heads == one.heads
+    np.testing.assert_array_equal(other.arms, one.arms)
+
+
+def test_the_facts_of_a_plain_table_are_replaced_with_it_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    table, facts = tmp_path / 'out.csv', tmp_path / 'out.csv.facts.yaml'
+    facts.write_text('side: left\n')
+    line = refusal_line(capsys, str(source), str(table), '--plain')
+    assert f'{facts}: exists; --force to replace it' in line
+    assert not table.exists()
+    assert exit_status([str(source), str(table), '--plain', '--force']) == 0
+    assert yaml.safe_load(facts.read_text())['side'] == 'right'
+    assert exit_status([str(source), str(table), '--force']) == 0
+    assert not facts.exists()  # the facts are in the table again
+    assert read_processed(table).bands
+
+
+def test_a_failure_leaves_neither_a_plain_table_nor_its_facts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'bad.csv').write_text('time,flexion,abduction,rotation\n0,90,20,30\n')
+    refusal_line(capsys, str(tmp_path / 'bad.csv'), str(tmp_path / 'out.csv'), '--plain')
+    assert [each.name for each in tmp_path.iterdir()] == ['bad.csv']
+
+
+@pytest.mark.parametrize('target', ['out', 'out.parquet'])
+def test_only_a_csv_can_be_plain(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], target: str
+) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    line = refusal_line(capsys, str(source), str(tmp_path / target), '--plain')
+    kind = 'parquet' if '.' in target else 'bag'
+    assert f'{tmp_path / target}: --plain is for .csv; the output is {kind}' in line
+
+
+@pytest.mark.parametrize('text', ['[1, 2', 'a word'])
+def test_facts_that_cannot_be_read_are_one_line(tmp_path: Path, text: str) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    assert exit_status([str(source), str(tmp_path / 'out.csv'), '--plain']) == 0
+    (tmp_path / 'out.csv.facts.yaml').write_text(text)
+    with pytest.raises(RecordingError, match=r'out\.csv\.facts\.yaml: not YAML') as caught:
+        read_processed(tmp_path / 'out.csv')
+    assert '\n' not in str(caught.value)
