@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 UNIT = 10.0  # units of the viewer's scene in a metre
-PATIENCE = 60.0  # s: the longest wait for anything
+PATIENCE = 300.0  # s: the longest wait for anything
 CHROMIUM = shutil.which('chromium')
 # drawn in software: slow, but the same everywhere; Mesa, if installed, takes half the time
 MESA = ['--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist']

@@ -78,15 +78,10 @@ def peer(ros: None) -> Iterator[Peer]:
 @pytest.fixture
 def node(peer: Peer) -> Iterator[MuscleStatePublisher]:
     """Run the node in this process, beside its peer."""
-    from ros_harness import together
+    from ros_harness import running
 
-    from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-
-    made = MuscleStatePublisher()
-    with together(peer, made):
-        peer.connect()
+    with running(peer) as made:
         yield made
-    made.destroy_node()
 
 
 @pytest.fixture(scope='session')

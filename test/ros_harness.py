@@ -16,15 +16,19 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
+from unhurried import PATIENCE
 
 from linkedplane_ros.node.messages import message_class
+from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 from linkedplane_ros.node.topics import OUTPUTS
 
 TOPICS = {topic.name: message_class(topic.type) for topic in OUTPUTS}
+DEEP = QoSProfile(depth=20000)
 ANSWERS = tuple(topic for topic in TOPICS if topic != 'markers')
-PATIENCE = 60.0  # s: the longest that anything is waited for; nothing is asserted about time
 
 
 class NodeProcess:
@@ -67,7 +71,39 @@ class NodeProcess:
         return self.log.read_text()
 
 
-class Peer(Node):
+class Reader(Node):
+    """Keeps what comes on its topics; all waiting of a test is `until` something has come."""
+
+    def __init__(self, name: str, context: Any = None) -> None:
+        """Work in an executor of its own, whose turns are those of `until`."""
+        super().__init__(name, context=context)
+        self.executor_of_its_own = SingleThreadedExecutor(context=context)
+        self.executor_of_its_own.add_node(self)
+        self.readers: list[Subscription] = []
+
+    def keep(self, kind: Any, topic: str, kept: Callable[[Any], None], **how: Any) -> None:
+        """Subscribe a topic, reliable and deep enough to lose nothing."""
+        how.setdefault('qos_profile', DEEP)
+        self.readers.append(self.create_subscription(kind, topic, kept, **how))
+
+    def until(self, condition: Callable[[], bool], seconds: float = PATIENCE) -> bool:
+        """Read messages until the condition holds; return whether it did in time."""
+        deadline = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > deadline:
+                return False
+            self.executor_of_its_own.spin_once(timeout_sec=0.02)
+            self._take_the_rest()
+        return True
+
+    def _take_the_rest(self) -> None:
+        """Read all that has come: an executor reads one message a turn, too slow for a stream."""
+        for reader in self.readers:
+            while (taken := reader.handle.take_message(reader.msg_type, reader.raw)) is not None:
+                reader.callback(taken[0])
+
+
+class Peer(Reader):
     """Publishes joint states and keeps every message that the muscle node publishes."""
 
     def __init__(
@@ -78,52 +114,47 @@ class Peer(Node):
         topic: str = 'joint_states',
         viewer: bool = True,
     ) -> None:
-        """Subscribe everything, deep enough to lose nothing; markers unread (bytes) if `raw`.
+        """Subscribe everything; markers unread (bytes) if `raw`.
 
         A peer that is no viewer leaves the markers alone.
         """
-        super().__init__('test_peer', context=context)
-        qos = QoSProfile(depth=20000)
+        super().__init__('test_peer', context)
         self.got: dict[str, list[Any]] = {topic: [] for topic in TOPICS}
         self.diagnostics: list[DiagnosticArray] = []
-        self.publisher = self.create_publisher(JointState, topic, qos)
-        self.readers = [
-            self.create_subscription(
-                kind,
-                f'{prefix}/{topic}',
-                self.got[topic].append,
-                qos,
-                raw=raw and topic == 'markers',
-            )
-            for topic, kind in TOPICS.items()
-            if viewer or topic != 'markers'
-        ]
-        self.executor_of_its_own = SingleThreadedExecutor(context=context)
-        self.executor_of_its_own.add_node(self)
-        self.create_subscription(DiagnosticArray, '/diagnostics', self.diagnostics.append, qos)
-
-    def until(self, condition: Callable[[], bool], seconds: float = PATIENCE) -> bool:
-        """Read messages until the condition holds; return whether it did in time."""
-        deadline = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > deadline:
-                return False
-            self.executor_of_its_own.spin_once(timeout_sec=0.02)
-        return True
+        self.publisher = self.create_publisher(JointState, topic, DEEP)
+        for name, kind in TOPICS.items():
+            if viewer or name != 'markers':
+                unread = raw and name == 'markers'
+                self.keep(kind, f'{prefix}/{name}', self.got[name].append, raw=unread)
+        # the last: who knows it knows the others
+        self.keep(DiagnosticArray, '/diagnostics', self.diagnostics.append)
 
     def connect(self, node: NodeProcess | None = None) -> None:
-        """Wait until the node has found this peer, both ways."""
+        """Wait until the node and this peer have found each other, both ways.
+
+        Between nodes of one process both ways are one step. A node in a process of its own is known
+        here before it knows this peer; that it does, its first diagnostics tell.
+        """
 
         def found() -> bool:
             if node is not None and node.process.poll() is not None:
                 raise AssertionError(f'the node ended: {node.text}')
-            return self.publisher.get_subscription_count() > 0 and all(
-                reader.get_publisher_count() for reader in self.readers
+            return (
+                self.publisher.get_subscription_count() > 0
+                and all(reader.get_publisher_count() for reader in self.readers)
+                and (node is None or bool(self.diagnostics))
             )
 
-        assert self.until(found), node.text if node else 'no node'
-        # that the node has found the readers, too, its first diagnostics tell
-        assert self.until(lambda: bool(self.diagnostics)), 'no diagnostics'
+        assert self.until(found), self.describe_matches(node)
+
+    def describe_matches(self, node: NodeProcess | None) -> str:
+        """Return who is matched with whom, for a test that has waited in vain."""
+        counts = {reader.topic_name: reader.get_publisher_count() for reader in self.readers}
+        return (
+            f'{self.publisher.get_subscription_count()} subscribers of joint states; publishers: '
+            f'{counts}; {len(self.diagnostics)} diagnostics; nodes: {self.get_node_names()}; '
+            f'the node wrote: {node.text if node else "nothing"}'
+        )
 
     def send(
         self,
@@ -147,7 +178,8 @@ class Peer(Node):
         return {topic: len(self.got[topic]) for topic in ANSWERS}
 
     def values(self) -> dict[str, str]:
-        """The newest diagnostics of the muscle node."""
+        """The newest diagnostics of the muscle node; waits for the first."""
+        assert self.until(lambda: bool(self.diagnostics)), 'no diagnostics'
         return {item.key: item.value for item in self.diagnostics[-1].status[0].values}
 
 
@@ -161,3 +193,30 @@ def together(peer: Peer, *nodes: Node) -> Iterator[None]:
     finally:
         for node in nodes:
             peer.executor_of_its_own.remove_node(node)
+
+
+@contextmanager
+def running(*readers: Peer, **parameters: Any) -> Iterator[MuscleStatePublisher]:
+    """Run the node in this process with parameters, connected with its readers."""
+    node = MuscleStatePublisher(
+        parameter_overrides=[Parameter(name, value=value) for name, value in parameters.items()]
+    )
+    try:
+        with together(readers[0], node):
+            for reader in readers:
+                reader.connect()
+            yield node
+    finally:
+        node.destroy_node()
+
+
+@contextmanager
+def reader_of(muscle: str, peer: Peer) -> Iterator[Peer]:
+    """Read a muscle while its peer works."""
+    made = Peer(muscle)
+    made.executor_of_its_own = peer.executor_of_its_own
+    try:
+        with together(peer, made):
+            yield made
+    finally:
+        made.destroy_node()

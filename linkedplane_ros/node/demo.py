@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
@@ -23,11 +24,11 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..processing.topics import ANSWERS
 from ..recordings.bags import Recording
 from .messages import message_class
-from .topics import OUTPUTS
+from .topics import DIAGNOSTICS, OUTPUTS
 
 NAMES = tuple(topic.name for topic in ANSWERS)
 STARTING = 300.0  # s for the node to start; the first time it compiles the solver
-PATIENCE = 40.0  # s for the recording to be played and answered
+PATIENCE = 120.0  # s for the recording to be played and answered
 RELIABLE_INPUT = [
     '--ros-args',
     '-p',
@@ -63,9 +64,18 @@ class Listener(Node):
                 )
             )
 
+        # the last: a node whose diagnostics come knows this listener's other subscriptions, too
+        self._listening.append(
+            self.create_subscription(
+                DiagnosticArray, DIAGNOSTICS.name, self._make_counter(DIAGNOSTICS.name), qos
+            )
+        )
+
     def is_connected(self) -> bool:
-        """Return whether the node publishes on every topic."""
-        return all(self.count_publishers(one.topic_name) for one in self._listening[1:])
+        """Return whether the node and this listener have found each other, both ways."""
+        return self.counts[DIAGNOSTICS.name] > 0 and all(
+            one.get_publisher_count() for one in self._listening[1:]
+        )
 
     def _count_input(self, message: JointState) -> None:
         self.counts['joint_states'] += 1
@@ -150,7 +160,16 @@ def main() -> int:
         )
         player = subprocess.Popen(
             # the node and this listener; discovery takes up to some seconds
-            [*run, 'linkedplane_ros.commands', 'play', str(recording.path), '--subscribers', '2'],
+            [
+                *run,
+                'linkedplane_ros.commands',
+                'play',
+                str(recording.path),
+                '--subscribers',
+                '2',
+                '--wait',
+                f'{PATIENCE:g}',
+            ],
             stdout=subprocess.DEVNULL,
         )
         done = spin_until(listener, lambda: all_answered(listener, recording.count), node, PATIENCE)
@@ -159,7 +178,7 @@ def main() -> int:
         for process in (node, player):
             if process is not None:
                 process.send_signal(signal.SIGINT)
-                process.wait(10.0)
+                process.wait(PATIENCE)
         listener.destroy_node()
         rclpy.try_shutdown()
 

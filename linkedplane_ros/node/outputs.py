@@ -40,7 +40,7 @@ class MuscleOutputs:
         self.tally = Tally()
         self.topics: dict[str, Any] = {}
         self._node = node
-        self._viewers = 0
+        self._served = 0  # viewers of the newest markers
         self._cleared = False
         try:
             for topic in OUTPUTS:
@@ -157,13 +157,14 @@ class MuscleOutputs:
             self.topics['markers'].publish(self._markers.clear(stamp))
             self._cleared = True
         self.topics['markers'].publish(self._markers.update(state, stamp))
+        self._served = self.topics['markers'].get_subscription_count()
 
     def republish_markers(self) -> None:
         """Publish the newest state's markers for new viewers while no input comes (a pause)."""
-        viewers, before = self.topics['markers'].get_subscription_count(), self._viewers
-        self._viewers = viewers
+        viewers = self.topics['markers'].get_subscription_count()
+        self._served = min(self._served, viewers)
         state, arrival = self.tally.last_state, self.tally.last_arrival
-        if viewers > before and state and arrival and perf_counter() - arrival > 0.5:
+        if viewers > self._served and state and arrival and perf_counter() - arrival > 0.5:
             self._publish_markers(state, self._last_stamp)
 
     def check_peers(self, of_input: Sequence[str]) -> list[str]:

@@ -19,6 +19,8 @@ from . import qos
 from .topics import CLOCK
 
 SETTLING = 0.3  # s: a subscriber is known here a little earlier than this publisher there
+TAKING = 60.0  # s for slow subscribers to take the last messages
+MOMENT = Duration(seconds=0.1)  # Ctrl-C is noticed between two waits
 OUTPUT_QOS = QoSProfile(depth=10000)
 
 
@@ -68,8 +70,10 @@ def play_recording(recording: Recording, how: Playback) -> int:
             count += play_once(recording, how, publishers, clock)
             if not how.loop:
                 break
-        for publisher in publishers.values():
-            publisher.wait_for_all_acked(Duration(seconds=5.0))
+        if not await_acknowledgement(list(publishers.values()), TAKING):
+            node.get_logger().warning(
+                f'a subscriber has not taken all messages {TAKING:g} s after the end'
+            )
         return count
     finally:
         node.destroy_node()
@@ -83,6 +87,18 @@ def await_subscribers(publishers: list[Publisher], seconds: float, count: int = 
             return False
         time.sleep(0.02)
     time.sleep(min(SETTLING, seconds))
+    return True
+
+
+def await_acknowledgement(publishers: list[Publisher], seconds: float) -> bool:
+    """Wait up to `seconds` until subscribers have taken all messages; return whether they have.
+
+    What has not been taken is lost when its publisher goes.
+    """
+    deadline = time.monotonic() + seconds
+    while not all(publisher.wait_for_all_acked(MOMENT) for publisher in publishers):
+        if time.monotonic() >= deadline:
+            return False
     return True
 
 

@@ -13,11 +13,11 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+from unhurried import PATIENCE
 
 START = 1_700_000_000_000_000_000  # ns since the epoch
 STEP = 50_000_000  # ns
 COUNT = 21
-PATIENCE = 60.0  # s: the longest that anything is waited for; nothing is asserted about time
 PLUGINS = {'sqlite3': StoragePlugin.SQLITE3, 'mcap': StoragePlugin.MCAP}
 TYPES = get_typestore(Stores.ROS2_JAZZY)
 Sent = tuple[str, int, bytes]

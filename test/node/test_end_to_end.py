@@ -1,37 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node in its own process, over DDS: real recordings, and input that is no good."""
+"""The node over DDS: real recordings in a process of its own, and input that is no good."""
 
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
-from collections.abc import Iterator
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from ros_harness import ANSWERS, TOPICS, NodeProcess, Peer
+from played_bags import Player
+from rclpy.parameter import Parameter
+from ros_harness import ANSWERS, PATIENCE, TOPICS, NodeProcess, Peer, running
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.errors import LinkedPlaneError
+from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 from linkedplane_ros.recordings.bags import Recording
 
 EXACT = 1e-12  # m: the node computes what the solver computes
 NAMES = ('flexion', 'abduction', 'rotation')
-LINKEDPLANE = [sys.executable, '-m', 'linkedplane_ros.commands']
 EXAMPLES = Path(__file__).parents[2] / 'msg_examples'
-
-
-@pytest.fixture
-def node(tmp_path: Path, peer: Peer) -> Iterator[NodeProcess]:
-    """Run the node with its defaults."""
-    process = NodeProcess(tmp_path / 'node.log')
-    peer.connect(process)
-    yield process
-    assert process.stop() == 0, process.text
-    assert 'Traceback' not in process.text
 
 
 def recorded(path: Path) -> list[JointState]:
@@ -108,29 +99,15 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
     if names:
         parameters['joint_names'] = f'[{",".join(names)}]'
     inputs = recorded(path)
-    process = NodeProcess(tmp_path / 'node.log', **parameters)
-    try:
+    with NodeProcess(tmp_path / 'node.log', **parameters) as process:
         peer.connect(process)
         # only the node listens to the player: this peer's own publisher stays silent
-        player = subprocess.Popen(
-            [
-                sys.executable,
-                '-m',
-                'linkedplane_ros.commands',
-                'play',
-                str(path),
-                '--rate',
-                str(rate),
-            ]
-        )
-        assert peer.until(lambda: player.poll() is not None, 120.0)
-        assert player.returncode == 0
-        peer.answers(len(inputs))
-    finally:
-        status = process.stop()
-        peer.destroy_node()
+        player = Player(path, '--rate', rate)
+        assert peer.until(player.ended)
+        assert player.result()[0] == 0
+        assert peer.answers(len(inputs)), peer.counts()
+    peer.destroy_node()
     check_answers(peer, inputs, convention, names)
-    assert status == 0
     assert 0 < len(peer.got['markers']) <= len(inputs)
 
 
@@ -147,7 +124,7 @@ BAD = {
 
 @pytest.mark.parametrize('case', BAD)
 def test_bad_input_is_explained_and_the_next_message_answered_as_if_nothing_had_happened(
-    node: NodeProcess, peer: Peer, case: str
+    node: MuscleStatePublisher, peer: Peer, case: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     names, positions, reason, line = BAD[case]
     before = peer.send(NAMES, (0.3, 0.2, 0.1), nanoseconds=1)
@@ -155,32 +132,33 @@ def test_bad_input_is_explained_and_the_next_message_answered_as_if_nothing_had_
     peer.send(names, positions, nanoseconds=2)
     after = peer.send(NAMES, (0.1, 0.5, -0.2), (0.1, 0.2, 0.3), nanoseconds=3)
     assert peer.answers(2)
-    assert not peer.answers(3, 0.2)
+    assert peer.until(lambda: peer.values()['messages received'] == '3')
     check_answers(peer, [before, after], 'flexion_abduction_rotation')
     assert len(peer.got['band_states'][1].velocity) == 9
-    assert peer.until(lambda: bool(peer.diagnostics) and peer.values()['messages received'] == '3')
     assert peer.values()[f'rejected: {reason}'] == '1'
     assert peer.values()['messages answered'] == '2'
-    assert line in node.text
-    assert len([text for text in node.text.splitlines() if 'not used' in text]) == 1
+    [told] = [text for text in capfd.readouterr().err.splitlines() if 'not used' in text]
+    assert line in told
 
 
 def test_joints_split_over_several_messages_are_answered_once_all_three_are_known(
-    node: NodeProcess, peer: Peer
+    node: MuscleStatePublisher, peer: Peer
 ) -> None:
     peer.send(('flexion',), (0.3,), nanoseconds=1)
     peer.send(('rotation',), (0.1,), nanoseconds=2)
     peer.send(('abduction',), (0.2,), nanoseconds=3)
     peer.send(('flexion',), (0.4,), nanoseconds=4)
+    assert peer.until(lambda: peer.values()['messages received'] == '4')
     assert peer.answers(2)
-    assert not peer.answers(3, 0.2)
     whole = [JointState(name=NAMES, position=q) for q in ((0.3, 0.2, 0.1), (0.4, 0.2, 0.1))]
     for message, stamp in zip(whole, (3, 4), strict=True):
         message.header.stamp.nanosec = stamp
     check_answers(peer, whole, 'flexion_abduction_rotation')
 
 
-def test_joints_in_any_order_among_others_are_found_by_name(node: NodeProcess, peer: Peer) -> None:
+def test_joints_in_any_order_among_others_are_found_by_name(
+    node: MuscleStatePublisher, peer: Peer
+) -> None:
     names = ('elbow', 'rotation', 'wrist', 'abduction', 'flexion', 'thumb')
     message = peer.send(names, (math.nan, 0.1, 900.0, 0.2, 0.3, -math.inf))
     assert peer.answers(1)
@@ -191,13 +169,16 @@ def test_joints_in_any_order_among_others_are_found_by_name(node: NodeProcess, p
     'velocities', [(0.1, math.nan, 0.2), (0.1,)], ids=['not finite', 'too few']
 )
 def test_unusable_velocities_cost_only_the_velocities(
-    node: NodeProcess, peer: Peer, velocities: tuple[float, ...]
+    node: MuscleStatePublisher,
+    peer: Peer,
+    velocities: tuple[float, ...],
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     message = peer.send(NAMES, (0.1, 0.2, 0.3), velocities)
     assert peer.answers(1)
     check_answers(peer, [message], 'flexion_abduction_rotation')
     assert len(peer.got['band_states'][0].velocity) == 0
-    assert 'velocities left out' in node.text
+    assert 'velocities left out' in capfd.readouterr().err
 
 
 def example_names() -> list[str]:
@@ -206,16 +187,12 @@ def example_names() -> list[str]:
 
 
 @pytest.mark.parametrize('name', example_names())
-def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, name: str) -> None:
+def test_a_sample_message_gets_its_expected_answer(peer: Peer, name: str) -> None:
     message = yaml.safe_load((EXAMPLES / f'{name}.yaml').read_text())
     want = yaml.safe_load((EXAMPLES / f'{name}.expected.yaml').read_text())
-    process = NodeProcess(tmp_path / 'node.log', joint_convention=want['joint_convention'])
-    try:
-        peer.connect(process)
+    with running(peer, joint_convention=want['joint_convention']):
         peer.send(message['name'], message['position'], message['velocity'])
         assert peer.answers(1)
-    finally:
-        assert process.stop() == 0
     lengths, arms, state, wrap, vectors, arm_states = (peer.got[topic][0] for topic in ANSWERS)
     rounding = 1e-11  # m: the files hold twelve decimals
     assert lengths.layout.dim[0].label == 'band:' + ','.join(want['bands'])
@@ -235,7 +212,9 @@ def test_a_sample_message_gets_its_expected_answer(tmp_path: Path, peer: Peer, n
     ]
 
 
-def test_the_topics_and_their_types_are_those_promised(node: NodeProcess, peer: Peer) -> None:
+def test_the_topics_and_their_types_are_those_promised(
+    node: MuscleStatePublisher, peer: Peer
+) -> None:
     found = dict(peer.get_topic_names_and_types())
     assert found['/deltoid/band_states'] == ['sensor_msgs/msg/JointState']
     assert found['/deltoid/moment_arm_states'] == ['sensor_msgs/msg/JointState']
@@ -259,17 +238,27 @@ BROKEN_MODELS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize('case', BROKEN_MODELS)
-def test_the_node_refuses_a_broken_model_in_one_line_without_a_traceback(
-    tmp_path: Path, case: str
-) -> None:
-    old, new, reason = BROKEN_MODELS[case]
+def broken_model(folder: Path, case: str) -> Path:
+    """Return the file of a model that is broken in one way."""
+    old, new, _ = BROKEN_MODELS[case]
     along = (SOLVER.muscle.insertions - SOLVER.muscle.origins)[0].tolist()
-    path = tmp_path / 'broken.yaml'
+    path = folder / 'broken.yaml'
     path.write_text(MODEL.replace(old, new.format(along=along)))
+    return path
+
+
+@pytest.mark.parametrize('case', BROKEN_MODELS)
+def test_the_node_refuses_a_broken_model(ros: None, tmp_path: Path, case: str) -> None:
+    path = broken_model(tmp_path, case)
+    with pytest.raises(LinkedPlaneError, match=re.escape(str(path))) as caught:
+        MuscleStatePublisher(parameter_overrides=[Parameter('muscle', value=str(path))])
+    assert '\n' not in str(caught.value)
+    assert BROKEN_MODELS[case][2] in str(caught.value)
+
+
+def test_a_node_that_is_refused_ends_with_one_line_without_a_traceback(tmp_path: Path) -> None:
+    path = broken_model(tmp_path, 'nan')
     process = NodeProcess(tmp_path / 'node.log', muscle=path)
-    assert process.process.wait(60.0) == 1
-    lines = process.text.splitlines()
-    assert len(lines) == 1, process.text
-    assert str(path) in lines[0]
-    assert reason in lines[0]
+    assert process.process.wait(PATIENCE) == 1
+    [line] = process.text.splitlines()
+    assert str(path) in line

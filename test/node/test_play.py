@@ -6,24 +6,23 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from time import monotonic
+from typing import Any
 
 import pytest
-from played_bags import COUNT, PATIENCE, PLUGINS, Player, bytes_on, joint_states, notes, write_bag
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
+from played_bags import COUNT, PLUGINS, Player, bytes_on, joint_states, notes, write_bag
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from ros_harness import Reader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from linkedplane_ros.node.play import time_message
+from linkedplane_ros.node.play import await_acknowledgement, time_message
 from linkedplane_ros.recordings.bags import Recording
 
 START = 1_700_000_000_000_000_000  # ns since the epoch
 STEP = 50_000_000  # ns
 
 
-class Listener(Node):
+class Listener(Reader):
     """Keeps the bytes of every joint state, and the clock."""
 
     def __init__(self, *topics: str) -> None:
@@ -32,26 +31,13 @@ class Listener(Node):
         self.heard: dict[str, list[bytes]] = {topic: [] for topic in topics}
         self.clock: list[int] = []
         for topic, heard in self.heard.items():
-            self.create_subscription(
-                JointState, topic, heard.append, QoSProfile(depth=5000), raw=True
-            )
-        self.create_subscription(
+            self.keep(JointState, topic, heard.append, raw=True)
+        self.keep(
             Clock,
             '/clock',
             lambda message: self.clock.append(message.clock.sec * 10**9 + message.clock.nanosec),
-            QoSProfile(depth=5000, reliability=ReliabilityPolicy.BEST_EFFORT),
+            qos_profile=QoSProfile(depth=5000, reliability=ReliabilityPolicy.BEST_EFFORT),
         )
-        self._executor = SingleThreadedExecutor()
-        self._executor.add_node(self)
-
-    def until(self, condition: Callable[[], bool], seconds: float = PATIENCE) -> bool:
-        """Read messages until the condition holds; return whether it did in time."""
-        deadline = monotonic() + seconds
-        while not condition():
-            if monotonic() > deadline:
-                return False
-            self._executor.spin_once(timeout_sec=0.02)
-        return True
 
 
 @pytest.fixture
@@ -87,7 +73,7 @@ def test_every_joint_state_arrives_byte_by_byte_in_order_and_nothing_else_does(
             f'at 20 times its speed\n{COUNT + 9} joint states published\n',
             '',
         )
-    listener.until(lambda: sum(map(len, listener.heard.values())) >= 2 * (COUNT + 9))
+    assert listener.until(lambda: sum(map(len, listener.heard.values())) >= 2 * (COUNT + 9))
     assert listener.heard == {topic: bytes_on(sent, topic) for topic in listener.heard}
     assert '/notes' not in dict(listener.get_topic_names_and_types())
     assert listener.clock == []
@@ -173,6 +159,25 @@ def test_without_a_subscriber_it_plays_all_the_same_and_says_so(ros: None, tmp_p
     assert status == 0
     assert out.endswith(f'{COUNT} joint states published\n')
     assert 'no subscriber after 0 s; playing anyway' in err
+
+
+class Taken:
+    """Stands in for a publisher whose subscriber takes everything in so many waits."""
+
+    def __init__(self, waits: int) -> None:
+        self.waits = waits
+
+    def wait_for_all_acked(self, _: object) -> bool:
+        self.waits -= 1
+        return self.waits < 0
+
+
+def test_the_player_stays_until_every_subscriber_has_taken_its_messages() -> None:
+    publishers: list[Any] = [Taken(0), Taken(200), Taken(3)]
+    assert await_acknowledgement(publishers, 60.0)
+    assert [publisher.waits < 0 for publisher in publishers] == [True] * 3
+    publishers = [Taken(10**9)]
+    assert not await_acknowledgement(publishers, 0.0)
 
 
 @pytest.mark.parametrize('nanoseconds', [0, 1, 999_999_999, START, START + 123_456_789])

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,7 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from parameter_changes import change_parameters
-from rclpy.parameter import Parameter
-from ros_harness import ANSWERS, PATIENCE, NodeProcess, Peer, together
+from ros_harness import ANSWERS, PATIENCE, NodeProcess, Peer, reader_of, running
 from visualization_msgs.msg import Marker
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
@@ -31,38 +29,11 @@ DEFAULTS = {spec.name: spec.default for spec in SPECS}
 DELTOID = BroadMuscle.load('deltoid')
 
 
-@contextmanager
-def running(muscle: Any, *readers: Peer, **given: Any) -> Iterator[MuscleStatePublisher]:
-    """Run the node in this process, beside its readers."""
-    values = {'muscle': muscle, **given}
-    node = MuscleStatePublisher(
-        parameter_overrides=[Parameter(name, value=value) for name, value in values.items()]
-    )
-    try:
-        with together(readers[0], node):
-            for reader in readers:
-                reader.connect()
-            yield node
-    finally:
-        node.destroy_node()
-
-
 @pytest.fixture
 def other(peer: Peer) -> Iterator[Peer]:
     """Read the second muscle; the first one's peer feeds both."""
     with reader_of(BOTH[1], peer) as made:
         yield made
-
-
-@contextmanager
-def reader_of(muscle: str, peer: Peer) -> Iterator[Peer]:
-    """Read a muscle while its peer works."""
-    made = Peer(muscle)
-    made.executor_of_its_own = peer.executor_of_its_own
-    peer.executor_of_its_own.add_node(made)
-    yield made
-    peer.executor_of_its_own.remove_node(made)
-    made.destroy_node()
 
 
 def check_newest(reader: Peer, muscle: BroadMuscle, side: str = 'right', pose: Any = POSE) -> None:
@@ -87,7 +58,8 @@ def check_newest(reader: Peer, muscle: BroadMuscle, side: str = 'right', pose: A
 
 
 def statuses(peer: Peer) -> dict[str, tuple[bytes, dict[str, str]]]:
-    """Return the newest level and values of each muscle."""
+    """Return the newest level and values of each muscle; waits for the first."""
+    assert peer.until(lambda: bool(peer.diagnostics))
     return {
         status.name.removeprefix('muscle_state_publisher: '): (
             status.level,
@@ -130,7 +102,7 @@ def test_every_muscle_answers_under_its_own_name_what_its_solver_gives(
 
 
 def test_a_message_is_taken_once_for_all_muscles(peer: Peer, other: Peer) -> None:
-    with running(BOTH, peer, other):
+    with running(peer, other, muscle=BOTH):
         for name, angle in zip(NAMES, POSE, strict=True):  # the last of three parts is answered
             peer.send((name,), (angle,))
         peer.send(NAMES, (0.0, 90.0, 0.0))
@@ -178,7 +150,7 @@ def test_a_muscle_left_out_at_the_start_hinders_no_change_and_comes_in_when_it_c
     peer: Peer, tmp_path: Path
 ) -> None:
     path = tmp_path / 'late.yaml'
-    with running(['deltoid', str(path)], peer) as node, reader_of('late', peer) as late:
+    with running(peer, muscle=['deltoid', str(path)]) as node, reader_of('late', peer) as late:
         assert change_parameters(node, side='left').successful
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
@@ -212,7 +184,7 @@ def test_a_pose_without_a_plane_is_told_and_counted_for_its_muscle_alone(
     peer: Peer, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     with reader_of('pinched', peer) as pinched:
-        with running([without_a_plane(tmp_path), 'deltoid'], peer, pinched):
+        with running(peer, pinched, muscle=[without_a_plane(tmp_path), 'deltoid']):
             for pose in (POSE, (0.1, 0.2, 0.3)):
                 peer.send(NAMES, pose, SPEEDS)
             assert peer.answers(2)
@@ -233,7 +205,7 @@ def test_a_pose_without_a_plane_is_told_and_counted_for_its_muscle_alone(
 def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
     peer: Peer, other: Peer
 ) -> None:
-    with running('deltoid', peer) as node:
+    with running(peer) as node:
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
         assert change_parameters(node, muscle=BOTH).successful
@@ -260,7 +232,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
 def test_a_list_with_one_bad_muscle_is_refused_and_the_old_ones_work_on(
     peer: Peer, other: Peer, tmp_path: Path
 ) -> None:
-    with running(BOTH, peer, other) as node:
+    with running(peer, other, muscle=BOTH) as node:
         for bad in (['deltoid', 'biceps'], [str(tmp_path / 'absent.yaml'), 'deltoid'], []):
             result = change_parameters(node, side='left', muscle=bad)
             assert not result.successful
@@ -275,7 +247,7 @@ def test_a_list_with_one_bad_muscle_is_refused_and_the_old_ones_work_on(
 
 def test_of_muscles_that_are_refused_no_topic_is_left(peer: Peer) -> None:
     wrong = 'qos_overrides./example_humerus_spheres/markers.publisher.durability'
-    with running('deltoid', peer, **{wrong: 'eternal'}) as node:
+    with running(peer, **{wrong: 'eternal'}) as node:
         result = change_parameters(node, muscle=[*BOTH, 'example_humerus_spheres'])
         assert not result.successful
         assert 'volatile or transient_local' in result.reason
@@ -283,7 +255,7 @@ def test_of_muscles_that_are_refused_no_topic_is_left(peer: Peer) -> None:
 
 
 def test_a_list_of_one_muscle_is_that_muscle(peer: Peer, capfd: pytest.CaptureFixture[str]) -> None:
-    with running(['deltoid'], peer):
+    with running(peer, muscle=['deltoid']):
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
         check_newest(peer, DELTOID)

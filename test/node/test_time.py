@@ -142,6 +142,18 @@ def test_a_paused_recording_goes_on_and_a_late_viewer_sees_where_it_stands(
     assert stamps_of(peer)[-1] == 2 * 10**9
 
 
+def test_a_viewer_that_comes_before_the_pause_is_one_sees_where_it_stands_too(
+    node: MuscleStatePublisher, peer: Peer
+) -> None:
+    peer.send(NAMES, (0.1, 0.2, 0.3), nanoseconds=10**9)
+    assert peer.answers(1)
+    late: list[MarkerArray] = []
+    peer.create_subscription(MarkerArray, 'deltoid/markers', late.append, 10)
+    node._report()  # once a second; at this moment more messages may still come
+    assert peer.until(lambda: bool(late))
+    assert late[-1].markers[0].header.stamp.sec == 1
+
+
 def test_under_sim_time_the_node_works_before_and_after_the_clock_does_and_when_it_jumps(
     peer: Peer,
 ) -> None:
