@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
+FEWEST = 2400  # tests in all
 SHARED_MEMORY = Path('/dev/shm')
 SEGMENT = re.compile(r'fastrtps_[0-9a-f]{16}')  # Fast DDS; each has a lock file beside it, .._el
 
@@ -44,6 +45,18 @@ def own_domain() -> tuple[int, IO[str]]:
         if file is not None:
             return domain, file
     raise pytest.UsageError('all 101 ROS domains are taken by other test runs on this machine')
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Fail a run of all tests that found too few: another plugin may end the collection early.
+
+    Before `-m` and `-k` choose; a run that names files or folders, or ignores some, is not judged.
+    """
+    whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    chosen = config.getoption('ignore') or config.getoption('ignore_glob')
+    if whole and not chosen and len(items) < FEWEST:
+        raise pytest.UsageError(f'{len(items)} tests collected; there are {FEWEST} at the least')
 
 
 # Before any test module imports rclpy:

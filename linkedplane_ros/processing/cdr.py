@@ -27,7 +27,7 @@ from .topics import (
     moment_arm_names,
 )
 
-STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # an example, found again in the bytes
+STAMP = np.array((0x5EC0FEED, 0x0DDBA115), dtype='<u4')  # found again in the bytes
 
 
 class MessageTemplate:
@@ -37,23 +37,23 @@ class MessageTemplate:
     ----------
     message
         CDR.
-    examples
+    placeholders
         The numbers in it, by name, as they are in the bytes; those named `stamp` may be repeated.
     """
 
-    def __init__(self, message: bytes, **examples: npt.NDArray[Any]) -> None:
-        """Find where each example is in the message."""
+    def __init__(self, message: bytes, **placeholders: npt.NDArray[Any]) -> None:
+        """Find where each placeholder is in the message."""
         self._bytes = np.frombuffer(message, np.uint8)
         self._places = {}
-        for name, example in examples.items():
-            sought = example.tobytes()
+        for name, placeholder in placeholders.items():
+            sought = placeholder.tobytes()
             starts = [message.rindex(sought)]  # numbers come after names
             if name == 'stamp':
                 starts = [match.start() for match in re.finditer(re.escape(sought), message)]
             self._places[name] = [slice(start, start + len(sought)) for start in starts]
 
     def fill(self, count: int, **values: npt.NDArray[Any]) -> list[bytes]:
-        """Return `count` messages; values (count, ...) replace the examples of the same names."""
+        """Return `count` messages with values (count, ...) for the placeholders of their names."""
         if not count:
             return []
         rows = np.tile(self._bytes, (count, 1))
@@ -87,8 +87,8 @@ class JointStateSerializer:
 
     def __init__(self, store: Any, names: Sequence[str], frame_id: str) -> None:
         """Serialise the templates: one with velocities, one without."""
-        examples = np.linspace(0.1, 0.2, 2 * len(names))
-        position, velocity = examples[: len(names)], examples[len(names) :]
+        placeholders = np.linspace(0.1, 0.2, 2 * len(names))
+        position, velocity = placeholders[: len(names)], placeholders[len(names) :]
         self._moving, self._still = (
             self._template(store, names, frame_id, position, each)
             for each in (velocity, np.empty(0))
@@ -182,7 +182,7 @@ class AnswerSerializer:
             data_offset=0,
         )
         size = math.prod(len(names) for _, names in dimensions)
-        data = np.linspace(0.1, 0.2, size)  # an example, found again in the bytes
+        data = np.linspace(0.1, 0.2, size)  # found again in the bytes
         if topic.type == UINT8_ARRAY:
             data = np.arange(200, 200 + size).astype(np.uint8)
         message = self._message(topic.type, layout=layout, data=data)

@@ -43,7 +43,7 @@ class MuscleInfo:
         coordinates: tuple[str, ...],
         bands: tuple[str, ...],
         joint_topic: str,
-        parameters: Mapping[str, Any],
+        node_parameters: Mapping[str, Any],
     ) -> MuscleInfo:
         """Return what the labels of the arrays and the parameters of their node say.
 
@@ -53,7 +53,7 @@ class MuscleInfo:
             From the labels; empty before the first answer.
         joint_topic
             The topic of the node's joint states.
-        parameters
+        node_parameters
             The node's, by name. Without them the joints are the coordinates, and the convention
             is the one that has them. If the model cannot be loaded here, each band is a head.
 
@@ -61,17 +61,17 @@ class MuscleInfo:
         conventions = JOINT_CONVENTIONS
         alike = [each for each in conventions.values() if each.coordinates == coordinates]
         default = [*alike, THESIS_CONVENTION][0]
-        convention = conventions.get(parameters.get('joint_convention', ''), default)
+        convention = conventions.get(node_parameters.get('joint_convention', ''), default)
         coordinates = coordinates or convention.coordinates
-        names = [name for name in parameters.get('joint_names', ()) if name]
+        names = [name for name in node_parameters.get('joint_names', ()) if name]
         joints = JointMap(
             unpack_three(names or coordinates),
-            unpack_three(parameters.get('joint_signs', (1.0, 1.0, 1.0))),
-            unpack_three(parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
+            unpack_three(node_parameters.get('joint_signs', (1.0, 1.0, 1.0))),
+            unpack_three(node_parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
         )
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
-        given = parameters.get('muscle', 'deltoid')
+        given = node_parameters.get('muscle', 'deltoid')
         one = isinstance(given, str)
         for muscle in [given] if one else given:
             with suppress(ModelError):
@@ -80,7 +80,7 @@ class MuscleInfo:
                 if model.band_names == bands:
                     heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
                     motion = model.range_of_motion
-        side = parameters.get('side', 'right')
+        side = node_parameters.get('side', 'right')
         return MuscleInfo(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
 
 

@@ -4,9 +4,15 @@
 from __future__ import annotations
 
 import ast
+import re
+import shutil
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+
+import pytest
 
 TESTS = Path(__file__).parents[1]
 MODULES = sorted(TESTS.rglob('*.py'))
@@ -54,6 +60,25 @@ def test_a_skip_at_import_would_be_noticed() -> None:
     ):
         assert len(module_level_faults(fault)) == 1
     assert module_level_faults("def test_it() -> None:\n    pytest.importorskip('pymoo')") == []
+
+
+def test_a_run_that_collects_too_few_tests_fails(tmp_path: Path) -> None:
+    tests = tmp_path / 'test'
+    tests.mkdir()
+    shutil.copy(TESTS / 'conftest.py', tests)
+    shutil.copy(TESTS.parent / 'pyproject.toml', tmp_path)
+    (tests / 'test_one.py').write_text('def test_one() -> None:\n    pass\n')
+
+    def run(*arguments: str) -> tuple[int, str]:
+        command = [sys.executable, '-m', 'pytest', *arguments]
+        ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        return ended.returncode, ended.stdout + ended.stderr
+
+    code, text = run()
+    assert code == pytest.ExitCode.USAGE_ERROR
+    assert re.search(r'1 tests collected; there are \d+ at the least', text)
+    assert run('-k', 'none')[0] == pytest.ExitCode.USAGE_ERROR
+    assert run('test')[0] == run('--ignore', 'doc')[0] == 0  # some of them
 
 
 def test_the_names_of_the_modules_are_unique() -> None:

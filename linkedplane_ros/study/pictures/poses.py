@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...drawing.bones import BONE
 from ...drawing.colours import band_shades
@@ -50,7 +50,7 @@ ENTERED = (
 )
 
 Add = Callable[[Scene, MuscleState], None]
-Number = Callable[['Axes', Scene, MuscleState], None]
+Number: TypeAlias = 'Callable[[Axes, Scene, MuscleState], None]'
 
 
 @dataclass(frozen=True)
