@@ -67,7 +67,7 @@ def random_muscle(seed: int) -> tuple[BroadMuscle, Array]:
         plane_angles=rng.uniform(-0.6, 0.6, n),
         reference_normal=normal,
     )
-    return muscle, Rotation.random(4, rng=rng).as_matrix()
+    return muscle, Rotation.random(4, rng).as_matrix()
 
 
 MIXED = ('ground', 'moving', 'humerus', 'moving', 'humerus', 'ground')

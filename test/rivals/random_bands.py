@@ -66,7 +66,7 @@ def random_models(kind: Model, count: int, seed: int = 0) -> list[PathModel]:
 
 def random_rotations(count: int, seed: int = 1) -> Array:
     """Return random rotations (count, 3, 3), any at all."""
-    return Rotation.random(count, random_state=seed).as_matrix()
+    return Rotation.random(count, np.random.default_rng(seed)).as_matrix()
 
 
 def turned_model(model: PathModel, Q: Array) -> PathModel:

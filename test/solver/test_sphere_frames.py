@@ -90,7 +90,7 @@ def test_moving_frames_that_stand_still_are_the_grounds() -> None:
     still = replace(DELTOID, humeral_point=np.zeros(3))
     centres = LinkedPlaneSolver(still).solve(np.eye(3)).sphere_centres
     ground = replace(still, sphere_frame='ground', sphere_centres=centres)
-    poses = Rotation.random(200, rng=1).as_matrix()
+    poses = Rotation.random(200, np.random.default_rng(1)).as_matrix()
     one, other = (LinkedPlaneSolver(muscle).solve_batch(poses) for muscle in (still, ground))
     np.testing.assert_array_equal(one.wrap, other.wrap)
     # m: the rounding of the centres
@@ -146,7 +146,7 @@ def test_a_bands_path_lies_on_its_sphere_in_any_frame() -> None:
 
 @pytest.mark.skipif(not COMPILED, reason='numba is not installed or LINKEDPLANE_COMPILE is 0')
 def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
-    poses = Rotation.random(30, rng=2).as_matrix()
+    poses = Rotation.random(30, np.random.default_rng(2)).as_matrix()
     muscles = [
         random_muscle_in_frames(seed, frame)[0] for frame in (*FRAMES, 'mixed') for seed in (3, 4)
     ]
