@@ -1,27 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """The deltoid from joint states; optionally with a recording, RViz and a place for the scapula."""
 
-from launch.actions import ExecuteProcess
+from launch.actions import OpaqueFunction
 from launch.conditions import IfCondition
-from launch.substitutions import LaunchConfiguration, NotEqualsSubstitution, PathJoinSubstitution
+from launch.substitutions import PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
-from launch import LaunchDescription
-from linkedplane_ros.node.launch_arguments import (
-    USE_SIM_TIME,
+from launch import Action, LaunchContext, LaunchDescription
+from linkedplane_ros.node.launching.arguments import (
+    PARAMETERS,
+    PARAMS_FILE,
+    RECORDING,
     declare_arguments,
     parameter_argument,
 )
+from linkedplane_ros.node.launching.muscle_node import MuscleNode
+from linkedplane_ros.node.launching.player import play_recording
 
-PARAMETERS = ('muscle', 'side', 'joint_convention', 'joint_names', 'frame_id')
 PLACE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')
 ARGUMENTS = (
     *map(parameter_argument, PARAMETERS),
-    USE_SIM_TIME,
-    ('namespace', '', 'The namespace of the node, its topics and the recording played.'),
-    ('joint_states', 'joint_states', 'The topic of the joint states.'),
-    ('bag', '', 'A recording to play, looped; empty: none.'),
+    PARAMS_FILE,
+    ('namespace', '', 'The namespace of the node and its topics.'),
+    ('joint_states', 'joint_states', 'The topic of the joint states; a recording is played to it.'),
+    *RECORDING,
     ('rviz', 'false', 'Show the muscle in RViz.'),
     ('parent_frame', '', 'A frame to hang the scapula frame on; empty: none.'),
     *((name, '0.0', f'The scapula frame in its parent, {name}: m, rad.') for name in PLACE),
@@ -30,48 +33,37 @@ ARGUMENTS = (
 
 def generate_launch_description() -> LaunchDescription:
     """Return what to start."""
-    value = {name: LaunchConfiguration(name) for name, _, _ in ARGUMENTS}
-    share = FindPackageShare('linkedplane_ros')
-    return LaunchDescription(
-        [
-            *declare_arguments(ARGUMENTS),
-            Node(
-                package='linkedplane_ros',
-                executable='muscle_state_publisher',
-                namespace=value['namespace'],
-                remappings=[('joint_states', value['joint_states'])],
-                parameters=[{name: value[name] for name in (*PARAMETERS, 'use_sim_time')}],
-                output='screen',
-            ),
-            ExecuteProcess(
-                cmd=[
-                    'ros2', 'bag', 'play', '--loop', value['bag'],
-                    '--remap', ['/joint_states:=', value['namespace'], '/joint_states'],
-                ],
-                condition=IfCondition(NotEqualsSubstitution(value['bag'], '')),
-                output='screen',
-            ),
+    return LaunchDescription([*declare_arguments(ARGUMENTS), OpaqueFunction(function=start)])
+
+
+def start(context: LaunchContext) -> list[Action]:
+    """Return what the arguments ask for."""
+    values = context.launch_configurations
+    node = MuscleNode.from_arguments(context, values)
+    clock = node.parameters['use_sim_time']
+    actions = [node.start(), *play_recording(values, [node.input_topic], clock)]
+    if values['parent_frame']:
+        actions.append(
             Node(
                 package='tf2_ros',
                 executable='static_transform_publisher',
-                namespace=value['namespace'],
+                namespace=values['namespace'],
                 arguments=[
-                    *(word for name in PLACE for word in (f'--{name}', value[name])),
-                    '--frame-id', value['parent_frame'],
-                    '--child-frame-id', value['frame_id'],
+                    *(word for name in PLACE for word in (f'--{name}', values[name])),
+                    '--frame-id', values['parent_frame'],
+                    '--child-frame-id', node.parameters['frame_id'],
                 ],
-                condition=IfCondition(NotEqualsSubstitution(value['parent_frame'], '')),
-            ),
-            Node(
-                package='rviz2',
-                executable='rviz2',
-                namespace=value['namespace'],
-                remappings=[('/deltoid/markers', 'deltoid/markers')],
-                arguments=[
-                    '-d', PathJoinSubstitution([share, 'config', 'deltoid.rviz']),
-                    '-f', value['frame_id'],
-                ],
-                condition=IfCondition(value['rviz']),
-            ),
-        ]
-    )  # fmt: skip
+            )
+        )  # fmt: skip
+    config = [FindPackageShare('linkedplane_ros'), 'config', 'deltoid.rviz']
+    actions.append(
+        Node(
+            package='rviz2',
+            executable='rviz2',
+            namespace=values['namespace'],
+            remappings=[('/deltoid/markers', node.marker_topic)],
+            arguments=['-d', PathJoinSubstitution(config), '-f', node.parameters['frame_id']],
+            condition=IfCondition(values['rviz']),
+        )
+    )
+    return actions

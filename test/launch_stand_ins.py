@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -16,21 +16,20 @@ from typing import Any
 TOP = Path(__file__).parents[1]
 
 
-class Values(dict[str, str]):
+class Values(dict[str, Any]):
     """The launch configurations, and which of them have been read."""
 
-    def __init__(self, values: dict[str, str], read: set[str] | None = None) -> None:
+    def __init__(self, values: dict[str, Any], read: set[str] | None = None) -> None:
         super().__init__(values)
         self.read: set[str] = set() if read is None else read
 
-    def __getitem__(self, name: str) -> str:
+    def __getitem__(self, name: str) -> Any:
         self.read.add(name)
         return super().__getitem__(name)
 
-
-class LaunchConfiguration:
-    def __init__(self, variable_name: str) -> None:
-        self.name = variable_name
+    def get(self, name: str, default: Any = None) -> Any:
+        self.read.add(name)
+        return super().get(name, default)
 
 
 class PathJoinSubstitution:
@@ -41,11 +40,6 @@ class PathJoinSubstitution:
 class FindPackageShare:
     def __init__(self, package: str) -> None:
         assert package == 'linkedplane_ros'
-
-
-class NotEqualsSubstitution:
-    def __init__(self, left: Any, right: Any) -> None:
-        self.left, self.right = left, right
 
 
 class IfCondition:
@@ -61,6 +55,16 @@ class DeclareLaunchArgument:
         self.name, self.default, self.description = name, default_value, description
 
 
+class LaunchContext:
+    def __init__(self, values: Values) -> None:
+        self.launch_configurations = values
+
+
+class OpaqueFunction:
+    def __init__(self, *, function: Callable[[LaunchContext], list[Any]]) -> None:
+        self.function = function
+
+
 class ExecuteProcess:
     def __init__(self, *, cmd: Sequence[Any], condition: Any = None, output: str = 'log') -> None:
         self.cmd, self.condition = cmd, condition
@@ -73,14 +77,16 @@ class Node:
         *,
         package: str,
         executable: str,
+        name: str | None = None,
         namespace: Any = '',
-        parameters: Sequence[dict[str, Any]] = (),
+        parameters: Sequence[str | dict[str, Any]] = (),
         remappings: Sequence[tuple[Any, Any]] = (),
         arguments: Sequence[Any] = (),
         condition: Any = None,
         output: str = 'log',
     ) -> None:
-        self.package, self.executable, self.namespace = package, executable, namespace
+        self.package, self.executable = package, executable
+        self.name, self.namespace = name, namespace
         self.parameters, self.remappings, self.arguments = parameters, remappings, arguments
         self.condition = condition
         self.started = False
@@ -109,24 +115,37 @@ class GroupAction:
         self.actions = actions
 
 
+class Action:
+    """Only a name in type hints."""
+
+
+def make_namespace_absolute(ns: str) -> str:
+    return ns if ns.startswith('/') else f'/{ns}'
+
+
+def prefix_namespace(base_ns: str | None, ns: str) -> str:
+    combined = ns if not base_ns or ns.startswith('/') else f'{base_ns.rstrip("/")}/{ns}'
+    return combined if combined == '/' else combined.rstrip('/')
+
+
 class LaunchDescription:
     def __init__(self, initial_entities: Sequence[Any]) -> None:
         self.entities = initial_entities
 
 
-PLACES: dict[str, tuple[type, ...]] = {
-    'launch': (LaunchDescription,),
+PLACES: dict[str, tuple[Any, ...]] = {
+    'launch': (Action, LaunchContext, LaunchDescription),
     'launch.actions': (
         DeclareLaunchArgument, ExecuteProcess, GroupAction, IncludeLaunchDescription,
+        OpaqueFunction,
     ),
     'launch.conditions': (IfCondition,),
     'launch.launch_description_sources': (PythonLaunchDescriptionSource,),
-    'launch.substitutions': (
-        LaunchConfiguration, NotEqualsSubstitution, PathJoinSubstitution,
-    ),
+    'launch.substitutions': (PathJoinSubstitution,),
     'launch_ros': (),
     'launch_ros.actions': (Node,),
     'launch_ros.substitutions': (FindPackageShare,),
+    'launch_ros.utilities': (make_namespace_absolute, prefix_namespace),
 }  # fmt: skip
 
 
@@ -157,20 +176,20 @@ def text(value: Any, values: Values) -> str:
     """Return what a substitution, or a list of them, comes to."""
     if isinstance(value, str):
         return value
-    if isinstance(value, LaunchConfiguration):
-        return values[value.name]
     if isinstance(value, FindPackageShare):
         return str(TOP)
-    if isinstance(value, NotEqualsSubstitution):
-        return str(text(value.left, values) != text(value.right, values)).lower()
     if isinstance(value, PathJoinSubstitution):
         return '/'.join(text(part, values) for part in value.parts)
     assert isinstance(value, list), value
     return ''.join(text(part, values) for part in value)
 
 
-def list_started(path: Path, **arguments: str) -> list[Node | ExecuteProcess]:
-    """Return what a launch file starts with these arguments, every substitution carried out."""
+def list_started(path: Path, **arguments: Any) -> list[Node | ExecuteProcess]:
+    """Return what a launch file starts with these arguments, every substitution carried out.
+
+    Among the arguments may be what launch files around it have set: `ros_namespace`, `ros_remaps`,
+    `global_params`.
+    """
     return list_started_with(describe(path).entities, Values(arguments))
 
 
@@ -182,6 +201,8 @@ def list_started_with(entities: Sequence[Any], values: Values) -> list[Node | Ex
             values.setdefault(entity.name, entity.default)
         elif isinstance(entity, GroupAction):
             found += list_started_with(entity.actions, Values(values, values.read))
+        elif isinstance(entity, OpaqueFunction):
+            found += list_started_with(entity.function(LaunchContext(values)), values)
         elif isinstance(entity, IncludeLaunchDescription):
             values.update((name, text(value, values)) for name, value in entity.arguments)
             inner = entity.source.describe(values)
@@ -203,9 +224,12 @@ def substitute(action: Node | ExecuteProcess, values: Values) -> Node | ExecuteP
     return Node(
         package=action.package,
         executable=action.executable,
+        name=action.name,
         namespace=text(action.namespace, values),
         parameters=[
-            {name: text(value, values) for name, value in given.items()}
+            given
+            if isinstance(given, str)
+            else {name: text(value, values) for name, value in given.items()}
             for given in action.parameters
         ],
         remappings=[(text(a, values), text(b, values)) for a, b in action.remappings],

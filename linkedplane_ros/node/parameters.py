@@ -41,7 +41,13 @@ class ParameterSpec:
     @property
     def default_text(self) -> str:
         """The default as YAML, as it is given on a command line."""
-        return str(yaml.safe_dump(self.default, default_flow_style=True)).split('\n')[0]
+        return dump_yaml(self.default)
+
+    def describe(self, quote: str = '') -> str:
+        """Return the meaning with the limits; the choices between quotes."""
+        limits = f' {self.low:g} to {self.high:g}.' if self.low is not None else ''
+        choices = ', '.join(f'{quote}{choice}{quote}' for choice in self.choices)
+        return f'{self.meaning}{limits}' + (f' One of {choices}.' if choices else '')
 
     def check(self, value: Any) -> Value:
         """Return a value as the parameter's type.
@@ -112,6 +118,12 @@ def is_finite_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def dump_yaml(value: Value) -> str:
+    """Return a value as YAML in one line, as it is given on a command line."""
+    dumped: str = yaml.safe_dump(value, default_flow_style=True, width=math.inf)
+    return dumped.split('\n')[0]
+
+
 SPECS = (
     ParameterSpec(
         'muscle',
@@ -168,11 +180,4 @@ NAMES = tuple(spec.name for spec in SPECS)
 
 def parameter_rows() -> list[tuple[str, str, str]]:
     """Return the rows of the documentation's table, in Markdown: name, default, meaning."""
-    rows = []
-    for spec in SPECS:
-        limits = f' {spec.low:g} to {spec.high:g}.' if spec.low is not None else ''
-        choices = f' One of {", ".join(f"`{c}`" for c in spec.choices)}.' if spec.choices else ''
-        rows.append(
-            (f'`{spec.name}`', f'`{spec.default_text}`', f'{spec.meaning}{limits}{choices}')
-        )
-    return rows
+    return [(f'`{spec.name}`', f'`{spec.default_text}`', spec.describe('`')) for spec in SPECS]

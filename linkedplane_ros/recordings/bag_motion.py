@@ -14,11 +14,10 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap, JointMemory, Rejected
-from .bags import JOINT_STATE, deserialize_message, open_bag
+from .bags import JOINT_STATE, choose_joint_topic, deserialize_message, open_bag
 from .motion import ROWS, Chunk, Frame, Refusals
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
 
-DEFAULT_TOPIC = '/joint_states'
 BATCH_BYTES = 2**24  # of a bag's messages, held at a time
 
 
@@ -135,18 +134,9 @@ class BagMotion:
             If the bag has no such topic, or several and none is chosen.
         """
         with closing(open_bag(path)) as reader:
-            topics = {each.topic for each in reader.connections if each.msgtype == JOINT_STATE}
-            if topic is None and DEFAULT_TOPIC in topics:
-                topic = DEFAULT_TOPIC
-            if topic is None and len(topics) > 1:
-                raise RecordingError(
-                    f'{path}: joint states on {", ".join(sorted(topics))}; choose one with --topic'
-                )
-            if not topics or (topic is not None and topic not in topics):
-                kinds = ', '.join(sorted({f'{c.topic} ({c.msgtype})' for c in reader.connections}))
-                wanted = f'no {JOINT_STATE}' + (f' on {topic}' if topic else '')
-                raise RecordingError(f'{path}: {wanted} in it, but {kinds or "nothing"}')
-        return BagMotion(path, JointFrameReader(topic or topics.pop(), JointMemory(joints)))
+            topics = {(each.topic, each.msgtype) for each in reader.connections}
+        chosen = choose_joint_topic(path, topics, topic, '--topic')
+        return BagMotion(path, JointFrameReader(chosen, JointMemory(joints)))
 
     @staticmethod
     def from_poses(

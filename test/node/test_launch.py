@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import played_bags
 import pytest
 import yaml
 from launch_stand_ins import (
@@ -16,7 +18,9 @@ from launch_stand_ins import (
     list_started,
     list_started_with,
 )
+from optional import requires
 
+from linkedplane_ros.errors import LinkedPlaneError
 from linkedplane_ros.node.parameters import SPECS
 from linkedplane_ros.node.settings import Settings
 
@@ -27,7 +31,7 @@ FILES = sorted((TOP / 'launch').glob('*.launch.py'))
 DEFAULTS = {spec.name: spec.default for spec in SPECS}
 
 
-def nodes(path: Path, executable: str, **arguments: str) -> list[Node]:
+def nodes(path: Path, executable: str, **arguments: Any) -> list[Node]:
     """Return the nodes of an executable that a launch file starts."""
     found = [action for action in list_started(path, **arguments) if isinstance(action, Node)]
     return [node for node in found if node.executable == executable]
@@ -35,33 +39,65 @@ def nodes(path: Path, executable: str, **arguments: str) -> list[Node]:
 
 def settings(node: Node) -> Settings:
     """Return the settings that a node's parameters make, read as launch_ros reads them: as YAML."""
-    [given] = node.parameters
-    values = {name: yaml.safe_load(value) for name, value in given.items()}
-    assert values.pop('use_sim_time') in (True, False)
-    assert set(values) <= set(DEFAULTS)
-    return Settings.from_values(DEFAULTS | values)
+    values = dict(DEFAULTS)
+    for given in node.parameters:
+        assert isinstance(given, dict)
+        values |= {name: yaml.safe_load(value) for name, value in given.items()}
+    assert values.pop('use_sim_time', False) in (True, False)
+    assert set(values) == set(DEFAULTS)
+    return Settings.from_values(values)
+
+
+def write_bag(folder: Path, *topics: str, **others: str) -> str:
+    """Write what a recording says of itself: topics of joint states, and others with their type."""
+    types = dict.fromkeys(topics, 'sensor_msgs/msg/JointState')
+    types |= {f'/{name}': kind for name, kind in others.items()}
+    listed = [{'topic_metadata': {'name': name, 'type': kind}} for name, kind in types.items()]
+    facts = {'rosbag2_bagfile_information': {'topics_with_message_count': listed}}
+    folder.mkdir()
+    (folder / 'metadata.yaml').write_text(yaml.safe_dump(facts))
+    return str(folder)
+
+
+def played(path: Path, **arguments: Any) -> list[str]:
+    """Return the command that plays the recording."""
+    [player] = [a for a in list_started(path, **arguments) if isinstance(a, ExecuteProcess)]
+    return player.cmd
 
 
 @pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
-def test_every_argument_is_described_and_used_and_every_one_used_is_declared(path: Path) -> None:
+def test_every_argument_is_described_and_used_and_every_one_used_is_declared(
+    path: Path, tmp_path: Path
+) -> None:
     entities = describe(path).entities
     declared = [each for each in entities if isinstance(each, DeclareLaunchArgument)]
     assert all(argument.description.endswith('.') for argument in declared)
-    values = Values({'bag': 'walk', 'parent_frame': 'torso', 'rviz': 'true'})
+    bag = write_bag(tmp_path / 'bag', '/left/joint_states', '/right/joint_states')
+    topic = '' if path == BOTH else '/left/joint_states'
+    values = Values({'bag': bag, 'bag_topic': topic, 'parent_frame': 'torso', 'rviz': 'true'})
     assert list_started_with(entities, values)  # a KeyError for one that is not declared
     assert values.read >= {argument.name for argument in declared}
 
 
+@pytest.mark.parametrize('path', FILES, ids=lambda path: path.stem)
+def test_every_parameter_has_its_argument(path: Path) -> None:
+    declared = {e.name for e in describe(path).entities if isinstance(e, DeclareLaunchArgument)}
+    wanted = {*DEFAULTS, 'use_sim_time', 'params_file'}
+    if path == BOTH:
+        each = {'joint_names', 'joint_signs', 'joint_offsets'}
+        wanted -= {'side', 'frame_id'} | each
+        wanted |= {f'{side}_{name}' for side in ('left', 'right') for name in each}
+    assert declared >= wanted
+
+
 def test_by_default_the_node_alone_is_started_with_its_defaults() -> None:
-    [node] = list_started(DELTOID)
-    assert isinstance(node, Node)
+    node, *others = [each for each in list_started(DELTOID) if isinstance(each, Node)]
+    assert not others
     assert (node.package, node.executable, node.namespace) == (
         'linkedplane_ros', 'muscle_state_publisher', '',
     )  # fmt: skip
     assert f"'{node.executable} = " in (TOP / 'setup.py').read_text()
-    chosen = settings(node)
-    assert chosen.solvers[0].side == 'right'
-    assert chosen.joints.names == chosen.convention.coordinates
+    assert node.parameters == []
     assert node.remappings == [('joint_states', 'joint_states')]
 
 
@@ -69,30 +105,211 @@ def test_the_arguments_reach_the_parameters() -> None:
     [node] = nodes(
         DELTOID,
         'muscle_state_publisher',
-        side='left',
-        joint_convention='rep155',
-        joint_names='[a, b, c]',
-        frame_id='left_scapula',
-        namespace='left',
-        joint_states='/body/joint_states',
+        **{
+            'side': 'left',
+            'scale': '1.05',
+            'joint_convention': 'rep155',
+            'joint_names': "[a, '1', 'on']",
+            'joint_signs': '[1, -1, 1.0]',
+            'joint_offsets': '[0, 1.5708, 0]',
+            'frame_id': 'left_scapula',
+            'markers.enabled': 'false',
+            'markers.rate': '10',
+            'namespace': 'left',
+            'joint_states': '/body/joint_states',
+        },
     )
     chosen = settings(node)
     assert (chosen.solvers[0].side, chosen.convention.name) == ('left', 'rep155')
-    assert chosen.joints.names == ('a', 'b', 'c')
+    assert chosen.scale == '1.05'
+    assert chosen.joints.names == ('a', '1', 'on')
+    assert chosen.joints.signs == (1.0, -1.0, 1.0)
+    assert chosen.joints.offsets == (0.0, 1.5708, 0.0)
     assert chosen.frame_id == 'left_scapula'
+    assert (chosen.markers_enabled, chosen.markers_rate) == (False, 10.0)
     assert node.namespace == 'left'
     assert node.remappings == [('joint_states', '/body/joint_states')]
 
 
+@pytest.mark.parametrize('empty', ['[]', "['']"])
+def test_empty_joint_names_are_the_conventions_coordinates(empty: str) -> None:
+    [node] = nodes(DELTOID, 'muscle_state_publisher', joint_names=empty)
+    assert node.parameters == [{'joint_names': "['']"}]
+    chosen = settings(node)
+    assert chosen.joints.names == chosen.convention.coordinates
+
+
 @pytest.mark.parametrize(
-    ('namespace', 'topic'), [('', '/joint_states'), ('left', 'left/joint_states')]
+    ('name', 'text', 'fault'),
+    [
+        ('joint_names', '[a, b', 'not YAML'),
+        ('joint_names', '{a: b}', '3 joint names expected'),
+        ('joint_names', 'a, b, c', '3 joint names expected'),
+        ('joint_names', '[a, yes, c]', '3 joint names expected'),
+        ('joint_signs', '[1, 1]', '3 finite numbers expected'),
+        ('markers.rate', 'fast', 'a finite number'),
+        ('use_sim_time', 'maybe', 'true or false expected'),
+        ('delay', '-1', 'seconds from 0 expected'),
+        ('delay', 'long', 'seconds from 0 expected'),
+        ('params_file', 'nowhere.yaml', 'No such file or directory'),
+    ],
 )
-def test_a_recording_is_played_into_the_nodes_namespace(namespace: str, topic: str) -> None:
-    _, player = list_started(DELTOID, bag='walk', namespace=namespace)
-    assert isinstance(player, ExecuteProcess)
-    assert player.cmd == [
-        'ros2', 'bag', 'play', '--loop', 'walk', '--remap', f'/joint_states:={topic}',
+def test_an_argument_that_cannot_be_used_is_named(
+    tmp_path: Path, name: str, text: str, fault: str
+) -> None:
+    bag = write_bag(tmp_path / 'bag', '/joint_states')
+    with pytest.raises(LinkedPlaneError, match=f'{name}: .*{fault}'):
+        list_started(DELTOID, **{'bag': bag, name: text})
+
+
+FILE = """
+/**/muscle_state_publisher:
+  ros__parameters: {side: left, frame_id: everywhere, use_sim_time: true}
+left:
+  muscle_state_publisher:
+    ros__parameters: {frame_id: here}
+/*:
+  ros__parameters: {frame_id: in_no_namespace}
+other_node:
+  ros__parameters: {frame_id: elsewhere}
+"""
+
+
+@pytest.mark.parametrize(
+    ('namespace', 'given', 'frame'),
+    [
+        ('left', {}, 'here'),
+        ('', {}, 'in_no_namespace'),
+        ('robot/left', {}, 'everywhere'),
+        ('left', {'frame_id': 'mine'}, 'mine'),
+        ('left', {'frame_id': 'scapula'}, 'scapula'),  # the node's default, but given
+    ],
+)
+def test_a_given_argument_wins_over_the_file_and_one_at_its_default_does_not(
+    tmp_path: Path, namespace: str, given: dict[str, str], frame: str
+) -> None:
+    file = tmp_path / 'params.yaml'
+    file.write_text(FILE)
+    arguments = {'params_file': str(file), 'namespace': namespace, 'parent_frame': 'torso', **given}
+    [node] = nodes(DELTOID, 'muscle_state_publisher', **arguments)
+    assert node.parameters == [str(file), *([given] if given else [])]
+    assert node.name == 'muscle_state_publisher'  # or a file's words for its full name would win
+    [hook] = nodes(DELTOID, 'static_transform_publisher', **arguments)
+    assert hook.arguments[-2:] == ['--child-frame-id', frame]
+    assert '--clock' in played(
+        DELTOID, bag=write_bag(tmp_path / 'bag', '/joint_states'), **arguments
+    )
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'topic'),
+    [
+        ({}, '/joint_states'),
+        ({'namespace': 'left'}, '/left/joint_states'),
+        ({'namespace': '/left/'}, '/left/joint_states'),
+        ({'joint_states': '/human/joint_states'}, '/human/joint_states'),
+        ({'joint_states': 'human', 'namespace': 'left'}, '/left/human'),
+        ({'ros_namespace': '/robot'}, '/robot/joint_states'),
+        ({'ros_namespace': 'robot', 'namespace': 'left'}, '/robot/left/joint_states'),
+        ({'ros_namespace': 'robot', 'namespace': '/left'}, '/left/joint_states'),
+        ({'ros_remaps': [('joint_states', '/all')], 'joint_states': 'mine'}, '/all'),
+        ({'ros_remaps': [('/left/joint_states', '/all')], 'namespace': 'left'}, '/all'),
+        ({'ros_remaps': [('/other', '/all')]}, '/joint_states'),
+    ],
+)
+def test_a_recording_is_played_to_the_topic_of_the_node(
+    tmp_path: Path, arguments: dict[str, Any], topic: str
+) -> None:
+    bag = write_bag(tmp_path / 'my walk', '/recorded', notes='std_msgs/msg/String')
+    assert played(DELTOID, bag=bag, **arguments) == [
+        'ros2', 'bag', 'play', '--loop', bag, '--delay', '5.0',
+        '--remap', f'/recorded:={topic}',
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ('topics', 'chosen', 'rules'),
+    [
+        (['/joint_states', '/deltoid/band_states'], '', ['/joint_states:=/arm']),
+        (['/joint_states', '/arm'], '', []),
+        (['/a', '/b'], '/b', ['/b:=/arm']),
+        (['/a', '/b'], 'b', ['/b:=/arm']),
+    ],
+)
+def test_of_several_topics_of_joint_states_one_is_played_to_the_node(
+    tmp_path: Path, topics: list[str], chosen: str, rules: list[str]
+) -> None:
+    bag = write_bag(tmp_path / 'bag', *topics)
+    command = played(DELTOID, bag=bag, bag_topic=chosen, joint_states='/arm', delay='0')
+    assert command == [
+        'ros2',
+        'bag',
+        'play',
+        '--loop',
+        bag,
+        *(['--remap', *rules] if rules else []),
+    ]
+
+
+def test_a_recordings_path_is_as_the_user_types_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv('HOME', str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    bag = write_bag(tmp_path / 'bag', '/joint_states')
+    assert played(DELTOID, bag='~/bag')[4] == bag
+    assert played(DELTOID, bag='bag')[4] == 'bag'
+
+
+def test_a_recordings_file_alone_is_played(tmp_path: Path) -> None:
+    file = tmp_path / 'walk.mcap'
+    file.touch()
+    assert '/a:=/joint_states' in played(DELTOID, bag=str(file), bag_topic='/a')
+
+
+@requires('rosbags')
+def test_the_topic_in_a_recordings_file_is_found(tmp_path: Path) -> None:
+    folder = played_bags.write_bag(tmp_path / 'bag', played_bags.joint_states('/recorded'))
+    [file] = folder.glob('*.mcap')
+    assert played(DELTOID, bag=str(file))[-1] == '/recorded:=/joint_states'
+
+
+@pytest.mark.parametrize(
+    ('topics', 'others', 'fault'),
+    [
+        ([], {'notes': 'std_msgs/msg/String'}, r'no sensor_msgs/msg/JointState .* /notes'),
+        ([], {}, 'no sensor_msgs/msg/JointState .* nothing'),
+        (['/a', '/b'], {}, 'joint states on /a, /b; choose one with bag_topic:='),
+    ],
+)
+def test_a_recording_that_does_not_reach_the_node_is_refused(
+    tmp_path: Path, topics: list[str], others: dict[str, str], fault: str
+) -> None:
+    with pytest.raises(LinkedPlaneError, match=fault):
+        list_started(DELTOID, bag=write_bag(tmp_path / 'bag', *topics, **others))
+
+
+@pytest.mark.parametrize('text', ['', 'a: b', 'rosbag2_bagfile_information: 1', '['])
+def test_a_folder_that_is_no_recording_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / 'metadata.yaml').write_text(text)
+    with pytest.raises(LinkedPlaneError, match='not the metadata of a rosbag2'):
+        list_started(DELTOID, bag=str(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'clock'),
+    [
+        ({}, False),
+        ({'use_sim_time': 'true'}, True),
+        ({'use_sim_time': 'false', 'global_params': [('use_sim_time', True)]}, False),
+        ({'global_params': ['file.yaml', ('use_sim_time', True)]}, True),
+    ],
+)
+def test_under_sim_time_the_recording_brings_its_clock(
+    tmp_path: Path, arguments: dict[str, Any], clock: bool
+) -> None:
+    bag = write_bag(tmp_path / 'bag', '/joint_states')
+    assert ('--clock' in played(DELTOID, bag=bag, **arguments)) == clock
 
 
 def test_the_scapula_is_hung_where_the_user_wants_it() -> None:
@@ -109,11 +326,16 @@ def test_rviz_shows_the_namespaces_markers_in_the_outputs_frame() -> None:
     config, frame = rviz.arguments[1], rviz.arguments[3]
     assert yaml.safe_load(Path(config).read_text())
     assert frame == 'left_scapula'
-    # the display's topic is absolute; relative, it follows the namespace
-    [(absolute, relative)] = rviz.remappings
-    assert f'Value: {absolute}\n' in Path(config).read_text()
-    assert '/' + relative == absolute
+    [(shown, published)] = rviz.remappings
+    assert f'Value: {shown}\n' in Path(config).read_text()
+    assert published == '/left/deltoid/markers'
     assert rviz.namespace == 'left'
+
+
+@pytest.mark.parametrize('muscle', ['deltoid_ackland2008', '[deltoid_ackland2008, deltoid]'])
+def test_rviz_shows_the_muscle_that_is_chosen(muscle: str) -> None:
+    [rviz] = nodes(DELTOID, 'rviz2', rviz='true', muscle=muscle)
+    assert rviz.remappings == [('/deltoid/markers', '/deltoid_ackland2008/markers')]
 
 
 def test_both_shoulders_are_two_nodes_that_share_nothing_but_the_torso() -> None:
@@ -139,3 +361,42 @@ def test_one_rviz_shows_both_shoulders() -> None:
     found = nodes(BOTH, 'muscle_state_publisher')
     assert topics == [f'/{node.namespace}/deltoid/markers' for node in found]
     assert config['Global Options']['Fixed Frame'] == 'torso' == rviz.arguments[3]
+    assert rviz.remappings == [(topic, topic) for topic in topics]
+
+
+def test_in_a_pushed_namespace_rviz_shows_both_shoulders_there() -> None:
+    [rviz] = nodes(BOTH, 'rviz2', rviz='true', ros_namespace='robot')
+    assert rviz.remappings == [
+        (f'/{side}/deltoid/markers', f'/robot/{side}/deltoid/markers') for side in ('left', 'right')
+    ]
+
+
+@pytest.mark.parametrize(
+    ('topics', 'arguments', 'rules'),
+    [
+        (['/left/joint_states', '/right/joint_states'], {}, []),
+        (['/l', '/r'], {'left_joint_states': '/l', 'right_joint_states': '/r'}, []),
+        (
+            ['/both'],
+            {'left_joint_states': '/joint_states', 'right_joint_states': '/joint_states'},
+            ['--remap', '/both:=/joint_states'],
+        ),
+    ],
+)
+def test_one_recording_is_played_to_both_shoulders(
+    tmp_path: Path, topics: list[str], arguments: dict[str, str], rules: list[str]
+) -> None:
+    bag = write_bag(tmp_path / 'bag', *topics)
+    command = played(BOTH, bag=bag, use_sim_time='true', **arguments)
+    assert command == ['ros2', 'bag', 'play', '--loop', bag, '--delay', '5.0', '--clock', *rules]
+
+
+@pytest.mark.parametrize('arguments', [{}, {'bag_topic': '/joint_states'}])
+def test_a_recording_that_reaches_neither_or_one_shoulder_is_refused(
+    tmp_path: Path, arguments: dict[str, str]
+) -> None:
+    bag = write_bag(tmp_path / 'bag', '/joint_states', '/left/joint_states')
+    with pytest.raises(
+        LinkedPlaneError, match='listen on /left/joint_states and /right/joint_states'
+    ):
+        list_started(BOTH, bag=bag, **arguments)

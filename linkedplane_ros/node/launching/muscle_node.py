@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node that a launch file starts: its parameters, and the names that others meet it by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from posixpath import join
+from typing import Any
+
+from launch_ros.actions import Node
+from launch_ros.utilities import make_namespace_absolute, prefix_namespace
+
+from launch import LaunchContext
+
+from ...errors import LinkedPlaneError
+from ...muscle.broad_muscle import BroadMuscle
+from ..parameters import Value
+from ..settings import list_muscles
+from ..topics import JOINT_STATES
+from .arguments import PARAMETERS, check_parameters, dump_parameters
+from .parameter_file import read_parameter_file
+
+NAME = 'muscle_state_publisher'
+
+
+@dataclass(frozen=True)
+class MuscleNode:
+    """The node that a launch file starts with some arguments, seen from the launch's context."""
+
+    namespace: str
+    """As it is given to launch_ros, which puts it into the namespace around it."""
+    full_namespace: str
+    joint_states: str
+    """The topic as it is given; the node subscribes `input_topic`."""
+    input_topic: str
+    """The full name of the topic of joint states."""
+    params_file: Path | None
+    given: Mapping[str, Value]
+    """The parameters that arguments set."""
+    parameters: Mapping[str, Any]
+    """All parameters, by the arguments, else the file, else the launch files around, else the
+    defaults."""
+
+    @staticmethod
+    def from_arguments(context: LaunchContext, values: Mapping[str, str]) -> MuscleNode:
+        """Return the node of the arguments of a launch file.
+
+        Parameters
+        ----------
+        context
+            Where the node is started: launch files around this one may have pushed a namespace,
+            or set parameters and remappings for all nodes.
+        values
+            The arguments by name; of parameters that are missing or empty, the defaults hold.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For an argument, or a file of parameters, that cannot be used.
+
+        """
+        outer = context.launch_configurations
+        namespace = values['namespace']
+        full_namespace = make_namespace_absolute(
+            prefix_namespace(outer.get('ros_namespace'), namespace)
+        )
+        params_file = Path(values['params_file']).expanduser() if values['params_file'] else None
+        given = check_parameters(values)
+        pairs = [pair for pair in outer.get('global_params', ()) if isinstance(pair, tuple)]
+        name = join(full_namespace, NAME)
+        return MuscleNode(
+            namespace=namespace,
+            full_namespace=full_namespace,
+            joint_states=values['joint_states'],
+            input_topic=resolve_topic(
+                JOINT_STATES.name,
+                [*outer.get('ros_remaps', ()), (JOINT_STATES.name, values['joint_states'])],
+                full_namespace,
+            ),
+            params_file=params_file,
+            given=given,
+            parameters={
+                **{spec.name: spec.default for spec in PARAMETERS},
+                **dict(pairs),
+                **(read_parameter_file(params_file, name) if params_file else {}),
+                **given,
+            },
+        )
+
+    def start(self) -> Node:
+        """Return the action that starts the node."""
+        return Node(
+            package='linkedplane_ros',
+            executable=NAME,
+            name=NAME,  # the arguments win over what a file says for a node of this full name
+            namespace=self.namespace,
+            remappings=[(JOINT_STATES.name, self.joint_states)],
+            parameters=[
+                *([str(self.params_file)] if self.params_file else []),
+                *([dump_parameters(self.given)] if self.given else []),
+            ],
+            output='screen',
+        )
+
+    @property
+    def marker_topic(self) -> str:
+        """The full name of the topic of markers, of the first muscle."""
+        name, *_ = *list_muscles(self.parameters['muscle']), ''
+        with suppress(LinkedPlaneError):  # the node says what is wrong with it
+            name = BroadMuscle.load(name).name
+        return join(self.full_namespace, name, 'markers')
+
+
+def resolve_topic(topic: str, remappings: Iterable[tuple[str, str]], namespace: str) -> str:
+    """Return the full name of a topic: the first remapping of it counts."""
+    full = join(namespace, topic)
+    for source, target in remappings:
+        if join(namespace, source) == full:
+            return join(namespace, target)
+    return full

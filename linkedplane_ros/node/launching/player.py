@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording played by `ros2 bag play` to the nodes that a launch file starts.
+
+`linkedplane play` waits for its subscribers by itself, but plays the joint states alone, and needs
+a library that does not come with ROS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from posixpath import join
+
+from launch.actions import ExecuteProcess
+
+from ...errors import LinkedPlaneError, RecordingError
+from ...recordings.bags import JOINT_STATE, choose_joint_topic, list_topics
+from ..parameters import is_finite_number
+from .arguments import parse_yaml
+
+
+def play_recording(
+    values: Mapping[str, str], wanted: Collection[str], clock: bool
+) -> list[ExecuteProcess]:
+    """Return the action that plays the recording of the arguments; none if there is none.
+
+    Parameters
+    ----------
+    values
+        The arguments by name: `bag`, `bag_topic`, `delay`.
+    wanted
+        The full names of the topics on which the nodes expect joint states.
+    clock
+        Whether the recorded time is published on /clock.
+
+    Raises
+    ------
+    LinkedPlaneError
+        If the recording's joint states would not reach the nodes.
+
+    """
+    if not values['bag']:
+        return []
+    bag = Path(values['bag']).expanduser()
+    delay = parse_yaml('delay', values['delay'])
+    if not is_finite_number(delay) or delay < 0.0:
+        raise LinkedPlaneError(f'delay: {values["delay"]} given, seconds from 0 expected')
+    rules = remap_joint_states(bag, values['bag_topic'], set(wanted))
+    command = ['ros2', 'bag', 'play', '--loop', str(bag)]
+    command += ['--delay', str(float(delay))] if delay else []  # 0 is refused
+    command += ['--clock'] if clock else []
+    command += ['--remap', *rules] if rules else []
+    return [ExecuteProcess(cmd=command, output='screen')]
+
+
+def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
+    """Return the rules by which a recording's joint states reach the topics that are wanted.
+
+    Parameters
+    ----------
+    bag
+        The recording's folder, or one of its files.
+    chosen
+        The recording's topic of joint states; empty: the one that is wanted, /joint_states, or the
+        only one.
+    wanted
+        The full names of the topics.
+
+    Raises
+    ------
+    LinkedPlaneError
+        If there is no such topic, or if several are wanted that are not all recorded.
+
+    """
+    if not bag.exists():
+        raise RecordingError(f'bag: {bag}: no such file or folder')
+    listening = ' and '.join(sorted(wanted))
+    if chosen and len(wanted) > 1:
+        raise LinkedPlaneError(f'bag_topic: {chosen} given, but the nodes listen on {listening}')
+    if chosen:
+        topic = join('/', chosen)
+        return [f'{topic}:={goal}' for goal in wanted if goal != topic]
+    try:
+        recorded = list_topics(bag)
+    except RecordingError as fault:
+        raise RecordingError(f'{fault}; bag_topic:=TOPIC names its joint states unread') from None
+    held = {topic for topic, kind in recorded if kind == JOINT_STATE}
+    if wanted <= held:
+        return []
+    if len(wanted) > 1:
+        raise RecordingError(
+            f'{bag}: joint states on {" and ".join(sorted(held)) or "no topic"}, but the nodes '
+            f'listen on {listening}; left_joint_states:=TOPIC and right_joint_states:=TOPIC '
+            'choose others'
+        )
+    topic = choose_joint_topic(bag, recorded, None, 'bag_topic:=TOPIC')
+    return [f'{topic}:={goal}' for goal in wanted]

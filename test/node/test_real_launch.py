@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The launch files with the real launch: started, answered, stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from posixpath import join
+
+import pytest
+import yaml
+from launch_runs import TOP, Launch, requires_executable, write_prefix
+from optional import requires
+from ros_harness import Peer
+from sensor_msgs.msg import JointState
+
+pytestmark = requires('launch_ros')
+NAMES = ('flexion', 'abduction', 'rotation')
+POSE = (0.3, 0.2, 0.1)  # rad
+OUTER = """<launch>
+  <group>
+    <push-ros-namespace namespace="robot"/>
+    <set_parameter name="use_sim_time" value="true"/>
+    <include file="{file}">
+      <arg name="bag" value="{bag}"/>
+      <arg name="namespace" value="arm"/>
+      <arg name="joint_states" value="human/joint_states"/>
+    </include>
+  </group>
+</launch>
+"""
+PARAMETERS = """
+/**:
+  ros__parameters: {joint_names: [p, q, r]}
+left:
+  muscle_state_publisher:
+    ros__parameters: {joint_names: [a, b, c], frame_id: elsewhere}
+"""
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., Launch]]:
+    """Start launch files; whatever happens, nothing of them is left behind."""
+    prefix = write_prefix(tmp_path / 'prefix with a space')
+    started: list[Launch] = []
+
+    def start(file: Path | str, *arguments: str) -> Launch:
+        started.append(Launch(prefix, file, *arguments))
+        return started[-1]
+
+    yield start
+    for launch in started:
+        launch.end()
+
+
+@contextmanager
+def peer_of(topic: str, namespace: str = '') -> Iterator[Peer]:
+    """Feed and read a node in a namespace."""
+    peer = Peer(f'{namespace}/deltoid', topic=topic)
+    try:
+        yield peer
+    finally:
+        peer.destroy_node()
+
+
+def answer(namespace: str, topic: str = 'joint_states', names: Sequence[str] = NAMES) -> JointState:
+    """Return what the node in a namespace answers, by its bands, to a joint state on a topic."""
+    with peer_of(join(namespace, topic), namespace.rstrip('/')) as peer:
+        assert peer.until(lambda: bool(peer.send(names, POSE) and peer.got['band_states']))
+        return peer.got['band_states'][0]
+
+
+def write_bag(folder: Path, **topics: str) -> Path:
+    """Write what a recording says of itself, the types of its topics; it is not read further."""
+    folder.mkdir()
+    listed = [{'topic_metadata': {'name': f'/{n}', 'type': kind}} for n, kind in topics.items()]
+    facts = {'rosbag2_bagfile_information': {'topics_with_message_count': listed}}
+    (folder / 'metadata.yaml').write_text(yaml.safe_dump(facts))
+    return folder
+
+
+def stops_by_interrupt(launch: Launch, count: int) -> None:
+    """Press Ctrl-C: so many nodes end well, and no process is left."""
+    assert launch.process.poll() is None, launch.text
+    status = launch.interrupt()
+    ended = re.findall(r'muscle_state_publisher-\d+\]: process has finished cleanly', launch.text)
+    assert len(ended) == count, launch.text
+    assert launch.left_over() == []
+    assert status == 0, launch.text
+    for words in ('Traceback', 'deprecated', 'failed to terminate'):
+        assert words not in launch.text
+
+
+@pytest.mark.parametrize('namespace', ['', 'arm', '/arm/'])
+def test_one_shoulder_starts_answers_and_stops(
+    start: Callable[..., Launch], ros: None, namespace: str
+) -> None:
+    launch = start('deltoid.launch.py', f'namespace:={namespace}', 'frame_id:=blade')
+    assert answer(f'/{namespace.strip("/")}').header.frame_id == 'blade'
+    stops_by_interrupt(launch, 1)
+
+
+def test_both_shoulders_start_answer_and_stop(
+    start: Callable[..., Launch], ros: None, tmp_path: Path
+) -> None:
+    params_file = tmp_path / 'params.yaml'
+    params_file.write_text(PARAMETERS)
+    launch = start('both_shoulders.launch.py', 'parent_frame:=', f'params_file:={params_file}')
+    assert answer('/left', names='abc').header.frame_id == 'left_scapula'
+    assert answer('/right', names='pqr').header.frame_id == 'right_scapula'
+    stops_by_interrupt(launch, 2)
+
+
+@requires_executable('tf2_ros', 'static_transform_publisher')
+def test_both_shoulders_hang_on_the_torso(start: Callable[..., Launch], ros: None) -> None:
+    launch = start('both_shoulders.launch.py')
+    for side in ('/left', '/right'):
+        answer(side)
+    stops_by_interrupt(launch, 2)
+
+
+def test_a_recording_reaches_a_node_in_a_namespace_that_another_launch_file_pushes(
+    start: Callable[..., Launch], ros: None, tmp_path: Path
+) -> None:
+    bag = write_bag(
+        tmp_path / 'a bag', recorded='sensor_msgs/msg/JointState', notes='std_msgs/msg/String'
+    )
+    outer = tmp_path / 'outer.launch.xml'
+    outer.write_text(OUTER.format(file=TOP / 'launch' / 'deltoid.launch.py', bag=bag))
+    launch = start(outer)
+    with peer_of('/unused', '/robot/arm') as peer:
+        peer.until(lambda: bool(peer.got['band_states'] or launch.process.poll() is not None))
+        assert peer.got['band_states'], launch.text
+    played = json.loads((launch.log.parent / 'bag_play.json').read_text())
+    assert played['remap'] == ['/recorded:=/robot/arm/human/joint_states']
+    assert (played['bag_path'], played['loop'], played['delay']) == (str(bag), True, 5.0)
+    assert played['clock'] == 40  # SetParameter says so to all nodes
+    stops_by_interrupt(launch, 1)
+
+
+@pytest.mark.parametrize(
+    ('file', 'argument', 'line'),
+    [
+        ('deltoid.launch.py', 'side:=up', "parameter side: 'up' given, one of right, left"),
+        ('deltoid.launch.py', 'params_file:=none.yaml', 'params_file: none.yaml: No such file'),
+        ('deltoid.launch.py', 'bag:=none', 'bag: none: no such file or folder'),
+        ('both_shoulders.launch.py', 'right_joint_names:=[a, b', 'joint_names: [a, b given, which'),
+    ],
+)
+def test_a_wrong_argument_is_one_line_and_nothing_starts(
+    start: Callable[..., Launch], file: str, argument: str, line: str
+) -> None:
+    launch = start(file, argument)
+    assert launch.wait() == 1
+    [fault] = [each for each in launch.text.splitlines() if 'ERROR' in each]
+    assert line in fault
+    assert 'Traceback' not in launch.text
+    assert 'process started' not in launch.text
