@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+LONGEST = 100  # characters of a value in a message
+
 
 class LinkedPlaneError(ValueError):
     """Whatever this package refuses; the message names what, where and what is expected."""
@@ -26,3 +30,16 @@ class FieldError(ModelError):
 
     def __str__(self) -> str:
         return f'{self.owner}: {self.field}: {self.reason}'.removeprefix(': ')
+
+
+def describe_value(value: Any) -> str:
+    """Return a value as messages show it: in one line, NumPy's arrays and numbers as plain ones."""
+    text = ' '.join(repr(as_plain(value)).split())
+    return text if len(text) <= LONGEST else f'{text[: LONGEST - 3]}...'
+
+
+def as_plain(value: Any) -> Any:
+    """Return a value with lists and numbers of Python in place of NumPy's."""
+    if type(value) in (list, tuple):
+        return type(value)(map(as_plain, value))
+    return value.tolist() if hasattr(value, 'tolist') else value

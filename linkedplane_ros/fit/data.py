@@ -171,9 +171,11 @@ def _check_measurement(row: Measurement, line: int) -> None:
         raise RecordingError(f'{line}: an angle of more than a full turn: in degrees, or in rad?')
     if math.isnan(row.length) and math.isnan(row.arm):
         raise RecordingError(f'{line}: neither a length nor a moment arm')
-    for name, value in (('length', row.length), ('moment arm', row.arm)):
-        if abs(value) > 1.0:
-            raise RecordingError(f'{line}: a {name} of {value:g} m; in mm, or in m?')
+    values = {'length': row.length, 'moment arm': row.arm}
+    large = [name for name, value in values.items() if abs(value) > 1.0]
+    if large:
+        name, value = large[0], values[large[0]]
+        raise RecordingError(f'{line}: a {name} of {value:g} m; in mm, or in m?')
     if row.length <= 0.0:
         raise RecordingError(f'{line}: a length of {row.length:g} m; above 0 expected')
     if not 0.0 <= row.weight < math.inf:

@@ -49,13 +49,11 @@ class Files:
         """Refuse to overwrite the data, or a result without `force`, or a folder."""
         if not self.model.parent.is_dir():
             raise LinkedPlaneError(f'{self.model}: no folder {self.model.parent} to write into')
-        for path in self.results:
-            if path.exists() and path.resolve() == data.resolve():
-                raise LinkedPlaneError(f'{path}: holds the measurements; another name expected')
-            if path.is_dir():
-                raise LinkedPlaneError(f'{path}: is a folder; the name of a file expected')
-            if path.exists() and not force:
-                raise LinkedPlaneError(f'{path}: exists already; --force replaces it')
+        present = [path for path in self.results if path.exists()]
+        reasons = (overwriting_fault(path, data, force) for path in present)
+        fault = next(filter(None, reasons), '')
+        if fault:
+            raise LinkedPlaneError(fault)
 
     def write_outcome(self, outcome: FinishedFit) -> None:
         """Write all results; each takes its place when the last is complete.
@@ -78,3 +76,12 @@ class Files:
             raise LinkedPlaneError(
                 f'{self.model}: not written: {error.strerror or error}'
             ) from None
+
+
+def overwriting_fault(path: Path, data: Path, force: bool) -> str:
+    """Return why a path that exists may not be replaced by a result; empty if it may."""
+    if path.resolve() == data.resolve():
+        return f'{path}: holds the measurements; another name expected'
+    if path.is_dir():
+        return f'{path}: is a folder; the name of a file expected'
+    return '' if force else f'{path}: exists already; --force replaces it'

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..linked_planes.compilation import entry
 from ..types import Floats, Interval, Triple
 from .rotations import as_rotation, rotation_about, rotation_rows
@@ -220,7 +220,9 @@ def as_triple(name: str, values: Any, unit: str) -> Triple:
             return float(x), float(y), float(z)
     except (TypeError, ValueError, OverflowError):
         pass
-    raise LinkedPlaneError(f'{name}: {values!r} given, 3 finite numbers in {unit} expected')
+    raise LinkedPlaneError(
+        f'{name}: {describe_value(values)} given, 3 finite numbers in {unit} expected'
+    )
 
 
 def as_triples(angles: npt.ArrayLike) -> Floats:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..types import Triple
 
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
@@ -60,7 +60,8 @@ class JointMap:
             raise LinkedPlaneError(f'joints {", ".join(self.names)}: 3 different joints expected')
         if not all(map(math.isfinite, (*self.signs, *self.offsets))):
             raise LinkedPlaneError(
-                f'signs {self.signs}, offsets {self.offsets}: finite numbers expected'
+                f'signs {describe_value(self.signs)}, offsets {describe_value(self.offsets)}: '
+                'finite numbers expected'
             )
 
     @staticmethod
@@ -129,9 +130,9 @@ class JointMemory:
             )
         places = self._find_places(names)
         fresh = {name: positions[i] for name, i in places}
-        for name, q in fresh.items():
-            if not abs(q) <= FULL_CIRCLE:  # also rejects NaN
-                raise _angle_fault(name, q)
+        wrong = [name for name, q in fresh.items() if not abs(q) <= FULL_CIRCLE]  # also NaN
+        if wrong:
+            raise _angle_fault(wrong[0], fresh[wrong[0]])
         rates, warning = _usable_velocities(len(names), velocities, places)
         self.positions.update(fresh)
         if len(rates) < len(fresh):  # a velocity is no older than the position it came with
@@ -178,9 +179,9 @@ def _usable_velocities(
     if count != len(velocities):
         return {}, f'velocities left out: {len(velocities)} for {count} names'
     rates = {name: velocities[i] for name, i in places}
-    for name, v in rates.items():
-        if not abs(v) <= FASTEST:  # also rejects NaN
-            return {}, f'velocities left out: that of joint {name!r} is {v}'
+    wrong = [name for name, v in rates.items() if not abs(v) <= FASTEST]  # also NaN
+    if wrong:
+        return {}, f'velocities left out: that of joint {wrong[0]!r} is {rates[wrong[0]]}'
     return rates, ''
 
 

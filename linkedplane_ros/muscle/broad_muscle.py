@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError
+from ..errors import FieldError, ModelError, describe_value
 from ..files import replace_when_complete
 from ..types import Floats, Interval
 from . import file, scaling, writing
 from .definition import Definition, define_in_metres, expand_frame, require_frame, unit_vector
-from .parts import COORDINATES, Head, InterferenceSphere, Landmark, whole_head
+from .parts import COORDINATES, Head, Landmark, whole_head
 from .scaling import Scale
 from .validity import (
     check_distinct,
@@ -112,6 +112,10 @@ class BroadMuscle:
 
     def __post_init__(self) -> None:
         """Check all fields, as a file's are; FieldError names the field."""
+        if not isinstance(self.stated, (Definition, type(None))):
+            raise FieldError(
+                'stated', f'{describe_value(self.stated)} given, a Definition expected'
+            )
         check_topic_name('name', self.name)
         self._set('source', require_text('source', self.source))
         if self.licence != '':
@@ -146,10 +150,6 @@ class BroadMuscle:
             array = unit_vector(array) if name == 'reference_normal' else array
             array.flags.writeable = False  # or it would differ from the definition
             self._set(name, array)
-        for sphere in zip(
-            self.interference_names, self.interference_centres, self.interference_radii, strict=True
-        ):
-            InterferenceSphere(*sphere)  # which checks itself
 
     def _set(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)

@@ -7,7 +7,7 @@ is evaluated here and nowhere else.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,11 +26,12 @@ from .parts import (
     InterferenceSphere,
     Landmark,
     Listed,
+    Polynomial,
     Span,
     multiply_point,
     whole_head,
 )
-from .validity import check_choice, check_names, require_array
+from .validity import check_names, require_array, require_choice
 
 
 @dataclass(frozen=True)
@@ -84,8 +85,8 @@ class Definition:
 
     def __post_init__(self) -> None:
         """Check units, frames, s and the lengths of lists; FieldError names the file's key."""
-        check_choice('units.length', self.length, tuple(METRES))
-        check_choice('units.angle', self.angle, tuple(RADIANS))
+        require_choice('units.length', self.length, METRES)
+        require_choice('units.angle', self.angle, RADIANS)
         check_names('bands.names', self.band_names)
         object.__setattr__(self, 'heads', self.heads or (whole_head(self.name, self.band_names),))
         n = len(self.band_names)
@@ -105,25 +106,38 @@ class Definition:
             'sphere.ground_point': self.ground_point,
             'sphere.humeral_point': self.humeral_point,
         }
-        for key, point in points.items():
-            if point is None and 'moving' in frames:
-                raise FieldError(key, 'missing')
-            if point is not None and 'moving' not in frames:
-                given = ', '.join(dict.fromkeys(frames))
-                raise FieldError(key, f'is for moving frames; given here: {given}')
+        moving = 'moving' in frames
+        wrong = [key for key, point in points.items() if (point is not None) is not moving]
+        if wrong and moving:
+            raise FieldError(wrong[0], 'missing')
+        if wrong:
+            given = ', '.join(dict.fromkeys(frames))
+            raise FieldError(wrong[0], f'is for moving frames; given here: {given}')
 
     def _check_curves(self) -> None:
         """Refuse lists that are not as long as the muscle has bands, and polynomials without s."""
         n = len(self.band_names)
+        wrong = [each for each in self._lists() if each[1] != n]
+        if wrong:
+            key, count, what = wrong[0]
+            check_count(key, count, n, what)
+        varying = [
+            key
+            for key, curve in self.curves().items()
+            if isinstance(curve, Polynomial) and len(curve.coefficients) > 1
+        ]
+        if varying and self.s is None:
+            raise FieldError('bands.s', f'missing; {varying[0]} is a polynomial in s')
+
+    def _lists(self) -> Iterator[tuple[str, int, str]]:
+        """Yield the key of each list, how many it has, and of what."""
         for key, points in self.points().items():
-            counts = {len(axis.values) if isinstance(axis, Listed) else None for axis in points}
-            if len(counts) == 1 and (count := counts.pop()) is not None:
-                check_count(key, count, n, 'points, one for each band,')
+            counts = {len(axis.values) if isinstance(axis, Listed) else -1 for axis in points}
+            if len(counts) == 1 and -1 not in counts:
+                yield key, counts.pop(), 'points, one for each band,'
         for key, curve in self.curves().items():
             if isinstance(curve, Listed):
-                check_count(key, len(curve.values), n)
-            elif self.s is None and len(curve.coefficients) > 1:
-                raise FieldError('bands.s', f'missing; {key} is a polynomial in s')
+                yield key, len(curve.values), 'numbers'
 
     @cached_property
     def s_of_bands(self) -> Floats:
@@ -204,13 +218,10 @@ def check_count(key: str, count: int, n: int, what: str = 'numbers') -> None:
 def require_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
     """Return what spheres move with, one of FRAMES for all or n of them; FieldError for others."""
     if isinstance(value, str) or not isinstance(value, Iterable):
-        check_choice(field, value, FRAMES)
-        return str(value)
+        return require_choice(field, value, FRAMES)
     frames = tuple(value)
     check_count(field, len(frames), n, 'frames, one for each band,')
-    for i, frame in enumerate(frames):
-        check_choice(f'{field}[{i}]', frame, FRAMES)
-    return frames
+    return tuple(require_choice(f'{field}[{i}]', each, FRAMES) for i, each in enumerate(frames))
 
 
 def expand_frame(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import FieldError
 from ..types import Floats, Point
-from .validity import check_choice, check_names, require_array, require_point
+from .validity import check_names, require_array, require_choice, require_point
 
 METRES = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 RADIANS = {'rad': 1.0, 'deg': math.pi / 180.0}
@@ -130,7 +130,7 @@ class Landmark:
     def __post_init__(self) -> None:
         """Check bone and place; FieldError names the field."""
         owner = f'landmark {self.name}'
-        check_choice('bone', self.bone, BONES, owner)
+        require_choice('bone', self.bone, BONES, owner)
         object.__setattr__(self, 'at', require_point('at', self.at, owner))
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import ModelError
+from ..errors import ModelError, describe_value
 from ..types import Floats, Point
 from .definition import Definition, expand_frame
 from .parts import (
@@ -93,8 +93,8 @@ def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Defi
         factors = [float(factor) for factor in np.atleast_1d(given)]
     if len(factors) not in (1, 3, 6):
         raise ModelError(
-            f"scale: {given!r} given; one factor, 3 (x,y,z), 6 (the scapula's, then the humerus's) "
-            "or a subject's .yaml file expected"
+            f'scale: {describe_value(given)} given; one factor, 3 (x,y,z), 6 '
+            "(the scapula's, then the humerus's) or a subject's .yaml file expected"
         )
     x, y, z, *others = factors * 3 if len(factors) == 1 else factors
     a, b, c = others or (x, y, z)
@@ -171,9 +171,11 @@ def measure_scale(file: YamlMapping, model: Definition) -> Scale:
     not measured takes the other's factors. ModelError names file and key.
     """
     file.check_keys(('format', 'version', 'units'), ('points', 'distances'))
-    for key, expected in (('format', FORMAT), ('version', VERSION)):
-        if file.content[key] != expected:
-            raise file.fault(key, f'{file.content[key]!r} given, {expected!r} expected')
+    expected = {'format': FORMAT, 'version': VERSION}
+    wrong = [key for key in expected if file.content[key] != expected[key]]
+    if wrong:
+        given, wanted = file.content[wrong[0]], expected[wrong[0]]
+        raise file.fault(wrong[0], f'{given!r} given, {wanted!r} expected')
     units = file.mapping('units')
     units.check_keys(('length',))
     metres = METRES[units.choice('length', METRES)] / METRES[model.length]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ..errors import FieldError
+from ..errors import FieldError, as_plain, describe_value
 from ..types import Floats, Intervals, Point
 
 if TYPE_CHECKING:
@@ -30,10 +30,13 @@ def check_topic_name(field: str, name: Any, owner: str = '') -> None:
         raise FieldError(field, reason, owner)
 
 
-def check_choice(field: str, value: Any, choices: Sequence[str], owner: str = '') -> None:
-    """Refuse what is not one of the choices."""
+def require_choice(field: str, value: Any, choices: Iterable[str], owner: str = '') -> str:
+    """Return a value that is one of the choices; FieldError for any other."""
+    choices = tuple(choices)
     if not isinstance(value, str) or value not in choices:
-        raise FieldError(field, f'{value!r} given, one of {", ".join(choices)} expected', owner)
+        reason = f'{describe_value(value)} given, one of {", ".join(choices)} expected'
+        raise FieldError(field, reason, owner)
+    return value
 
 
 def check_names(field: str, names: Sequence[str], owner: str = '') -> None:
@@ -60,19 +63,19 @@ def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
 def require_items(field: str, values: Any, kind: type[Item]) -> tuple[Item, ...]:
     """Return a list's items, all of one kind; FieldError for anything else."""
     if isinstance(values, str) or not isinstance(values, Iterable):
-        raise FieldError(field, f'{values!r:.60} given, a list expected')
-    items = tuple(values)
+        raise FieldError(field, f'{describe_value(values)} given, a list expected')
+    items = tuple(map(as_plain, values))
     wrong = [item for item in items if not isinstance(item, kind)]
     if wrong:
         name = 'name' if kind is str else kind.__name__
-        raise FieldError(field, f'{wrong[0]!r:.60} given; a {name} expected')
-    return tuple(str(item) for item in items) if kind is str else items  # type: ignore[misc]
+        raise FieldError(field, f'{describe_value(wrong[0])} given; a {name} expected')
+    return items
 
 
 def require_text(field: str, value: Any) -> str:
     """Return text without the blanks around it; FieldError for anything else, and for none."""
     if not isinstance(value, str) or not value.strip():
-        raise FieldError(field, f'text expected, {value!r} given')
+        raise FieldError(field, f'text expected, {describe_value(value)} given')
     return value.strip()
 
 
@@ -83,8 +86,7 @@ def require_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '
             raise TypeError
         array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        given = f'{value!r:.60}'.split('\n')[0]
-        reason = f'{given} given, finite numbers of shape {shape} expected'
+        reason = f'{describe_value(value)} given, finite numbers of shape {shape} expected'
         raise FieldError(field, reason, owner) from None
     if array.shape != shape:
         raise FieldError(field, f'shape {array.shape} given, {shape} expected', owner)
@@ -105,10 +107,11 @@ def require_point(field: str, value: Any, owner: str) -> Point:
 def require_intervals(field: str, value: Any, names: Sequence[str]) -> Intervals:
     """Return an interval for each name, rad; FieldError for anything else."""
     limits: list[list[float]] = require_array(field, value, (len(names), 2)).tolist()
-    for name, (low, high) in zip(names, limits, strict=True):
-        if low > high:
-            given = f'{low:.6g} to {high:.6g} rad given'
-            raise FieldError(f'{field}.{name}', f'{given}, the lowest, then the highest expected')
+    wrong = next((i for i, (low, high) in enumerate(limits) if low > high), None)
+    if wrong is not None:
+        given = '{:.6g} to {:.6g} rad given'.format(*limits[wrong])
+        reason = f'{given}, the lowest, then the highest expected'
+        raise FieldError(f'{field}.{names[wrong]}', reason)
     return tuple((low, high) for low, high in limits)
 
 
@@ -139,10 +142,9 @@ def check_geometry(muscle: BroadMuscle) -> None:
     names, origins = muscle.band_names, muscle.origins
     if not np.linalg.norm(muscle.reference_normal) > 0.0:
         raise FieldError('reference_normal', 'a vector of some length expected, zero given')
-    flat = np.flatnonzero(muscle.sphere_radii <= 0.0)
-    if flat.size:
-        reason = f'{muscle.sphere_radii[flat[0]]:.6g} m for band {names[flat[0]]}'
-        raise FieldError('sphere_radii', f'{reason}, a radius > 0 expected')
+    spheres = [f'sphere {name}' for name in muscle.interference_names]
+    check_radii('sphere_radii', muscle.sphere_radii, [f'band {name}' for name in names])
+    check_radii('interference_radii', muscle.interference_radii, spheres)
     lines = muscle.insertions - origins
     sizes = np.linalg.norm(lines, axis=1)
     short = np.flatnonzero(sizes <= SHORTEST)
@@ -155,6 +157,14 @@ def check_geometry(muscle: BroadMuscle) -> None:
     if muscle.ground_point is not None and muscle.humeral_point is not None:
         check_moving_frames(muscle, np.cross(muscle.humeral_point - origins,
                                              muscle.ground_point - origins))  # fmt: skip
+
+
+def check_radii(field: str, radii: Floats, owners: Sequence[str]) -> None:
+    """Refuse radii (k,), m, that are not above zero; each has an owner."""
+    wrong = np.flatnonzero(radii <= 0.0)
+    if wrong.size:
+        reason = f'{radii[wrong[0]]:.6g} m for {owners[wrong[0]]}, a radius > 0 expected'
+        raise FieldError(field, reason)
 
 
 def check_moving_frames(muscle: BroadMuscle, across: Floats) -> None:

@@ -79,13 +79,13 @@ class YamlMapping:
     def check_keys(self, required: Iterable[str], optional: Iterable[str] = ()) -> None:
         """Refuse missing and unknown keys."""
         required, optional = list(required), list(optional)
-        for key in required:
-            if key not in self.content:
-                raise self.fault(key, 'missing')
-        for key in self.content:
-            if key not in required + optional:
-                known = ', '.join(required + optional)
-                raise self.fault(str(key), f'unknown key; known here: {known}')
+        missing = [key for key in required if key not in self.content]
+        if missing:
+            raise self.fault(missing[0], 'missing')
+        unknown = [key for key in self.content if key not in required + optional]
+        if unknown:
+            known = ', '.join(required + optional)
+            raise self.fault(str(unknown[0]), f'unknown key; known here: {known}')
 
     def mapping(self, key: str) -> YamlMapping:
         """Return the mapping under a key."""

@@ -163,13 +163,14 @@ class BagMotion:
         with closing(open_bag(path)) as reader:
             topics = {each.topic: each.msgtype for each in reader.connections}
             if TF_TYPE not in topics.values():
-                for name in (bones.humerus, bones.base):
-                    if topics.get(name) not in POSE_TYPES:
-                        held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
-                        raise RecordingError(
-                            f'{path}: {name} is no topic of {" or ".join(POSE_TYPES)}, and there '
-                            f'is no /tf with frames; in it: {held or "nothing"}'
-                        )
+                names = bones.humerus, bones.base
+                missing = [name for name in names if topics.get(name) not in POSE_TYPES]
+                if missing:
+                    held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
+                    raise RecordingError(
+                        f'{path}: {missing[0]} is no topic of {" or ".join(POSE_TYPES)}, and there '
+                        f'is no /tf with frames; in it: {held or "nothing"}'
+                    )
         return BagMotion(path, PoseFrameReader(bones, convention, side))
 
     def batches(self) -> Iterator[Batch]:

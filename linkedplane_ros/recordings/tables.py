@@ -259,11 +259,11 @@ def find_joint_columns(columns: Sequence[str], wanted: Sequence[str]) -> tuple[s
         raise RecordingError(
             f'no column for {join_names(missing)}{hint}; the file has {join_names(columns)}'
         )
-    for name, several in candidates.items():
-        if len(several) > 1:
-            raise RecordingError(
-                f'{len(several)} columns for {name}: {join_names(several)}; one expected'
-            )
+    if unclear := [name for name in candidates if len(candidates[name]) > 1]:
+        several = candidates[unclear[0]]
+        raise RecordingError(
+            f'{len(several)} columns for {unclear[0]}: {join_names(several)}; one expected'
+        )
     return tuple(candidates[name][0] for name in wanted)
 
 

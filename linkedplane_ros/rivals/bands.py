@@ -22,7 +22,7 @@ from ..solver.batches import run_kernel
 from ..solver.kernels import SOLVED
 from ..solver.states import WrapState
 from ..types import Bytes, Floats
-from .fields import check_field, field_kind
+from .fields import field_fault, field_kind
 from .path import ARC_NUMBERS, PathKernel
 
 
@@ -45,8 +45,9 @@ class PathModel:
     arcs_are_points: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        for name, value in self._fields():
-            check_field(name, value)
+        faults = (field_fault(name, value) for name, value in self._fields())
+        if fault := next(filter(None, faults), ''):
+            raise LinkedPlaneError(fault)
 
     @property
     def row(self) -> tuple[float, ...]:

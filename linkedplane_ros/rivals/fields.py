@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
-from ..errors import LinkedPlaneError
+from ..errors import describe_value
 
 Bone = Literal['scapula', 'humerus']
 Turn = Literal['right-handed', 'left-handed', 'shorter']
@@ -64,12 +64,11 @@ def field_kind(name: str) -> Kind:
     return KINDS[name.removeprefix('second_').partition('[')[0]]
 
 
-def check_field(name: str, value: Any) -> None:
-    """Refuse a value that a field cannot have; LinkedPlaneError names the field."""
+def field_fault(name: str, value: Any) -> str:
+    """Return what is wrong with the value of a field; empty if nothing is."""
     kind = field_kind(name)
     try:
         fits = kind.fits(value)
     except TypeError:
         fits = False
-    if not fits:
-        raise LinkedPlaneError(f'{name}: {value!r} given, {kind.expected} expected')
+    return '' if fits else f'{name}: {describe_value(value)} given, {kind.expected} expected'

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import FAULTS, as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
@@ -54,6 +54,11 @@ class LinkedPlaneSolver:
     """
 
     def __init__(self, muscle: BroadMuscle, side: str = 'right') -> None:
+        if not isinstance(muscle, BroadMuscle):
+            given = describe_value(muscle)
+            raise LinkedPlaneError(
+                f'muscle: {given} given, a BroadMuscle expected (BroadMuscle.load)'
+            )
         check_side(side)
         self.muscle = muscle
         self.side = side
@@ -137,6 +142,9 @@ class LinkedPlaneSolver:
             For anything but three finite numbers, and where a band's plane is undefined.
 
         """
+        if not isinstance(convention, JointConvention):
+            given = describe_value(convention)
+            raise LinkedPlaneError(f'convention: {given} given, one of JOINT_CONVENTIONS expected')
         n = len(self.muscle.band_names)
         rotation, axes, theta = np.empty((1, 3, 3)), np.empty((3, 3)), np.empty(1)
         lengths, moments, arms = np.empty((1, n)), np.empty((1, 3 * n)), np.empty((n, 3))

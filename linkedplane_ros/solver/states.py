@@ -55,8 +55,28 @@ def _are_equal(one: Any, other: Any) -> bool:
     return np.array_equal(one, other) if isinstance(one, np.ndarray) else bool(one == other)
 
 
+class _Drawn(_Result):
+    """What states at one pose and at many have in common: where the bands are."""
+
+    solver: LinkedPlaneSolver
+
+    @cached_property
+    def _drawn(self) -> tuple[Floats, Floats, Floats]:
+        return self.solver.draw_bands(self, 2)  # type: ignore[arg-type]
+
+    @property
+    def insertions(self) -> Floats:
+        """(n, 3) insertions, m, scapula frame; (m, n, 3) at m poses."""
+        return self._drawn[0]
+
+    @property
+    def sphere_centres(self) -> Floats:
+        """(n, 3) obstacle sphere centres, m, scapula frame; (m, n, 3) at m poses."""
+        return self._drawn[1]
+
+
 @dataclass(frozen=True, eq=False)
-class MuscleState(_Result):
+class MuscleState(_Drawn):
     """The muscle at one pose, n bands; its arrays are read-only.
 
     Moment arms about a convention's coordinates are
@@ -86,20 +106,6 @@ class MuscleState(_Result):
         """Sum of the band lengths, m: what theta makes least."""
         return float(self.lengths.sum())
 
-    @cached_property
-    def _posed(self) -> tuple[Floats, Floats, Floats]:
-        return self.solver.draw_bands(self, 2)
-
-    @property
-    def insertions(self) -> Floats:
-        """(n, 3) insertions, m, scapula frame."""
-        return self._posed[0]
-
-    @property
-    def sphere_centres(self) -> Floats:
-        """(n, 3) obstacle sphere centres, m, scapula frame."""
-        return self._posed[1]
-
     def to_scapula(self, points: Floats) -> Floats:
         """Return points (..., 3) of the right humerus, m, at this pose: m, scapula frame."""
         return self.solver.to_side(points @ self.rotation.T)
@@ -128,7 +134,7 @@ class MuscleState(_Result):
 
 
 @dataclass(frozen=True, eq=False)
-class MuscleStates(_Result):
+class MuscleStates(_Drawn):
     """The muscle at m poses: the fields of MuscleState with a leading m, read-only.
 
     ``states[3]`` is a MuscleState; a slice, an array of indices, or of m booleans, gives
@@ -156,20 +162,6 @@ class MuscleStates(_Result):
     def total_length(self) -> Floats:
         """(m,) sums of the band lengths, m."""
         return np.asarray(self.lengths.sum(axis=1))
-
-    @cached_property
-    def _posed(self) -> tuple[Floats, Floats, Floats]:
-        return self.solver.draw_bands(self, 2)
-
-    @property
-    def insertions(self) -> Floats:
-        """(m, n, 3) insertions, m, scapula frame."""
-        return self._posed[0]
-
-    @property
-    def sphere_centres(self) -> Floats:
-        """(m, n, 3) obstacle sphere centres, m, scapula frame."""
-        return self._posed[1]
 
     def paths(self, points: int = 16) -> list[list[Floats]]:
         """Return, for each pose, each band's path as in `MuscleState.paths`."""

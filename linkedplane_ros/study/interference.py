@@ -142,10 +142,10 @@ def add_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
     spheres = read_interference_spheres(file)
     if not spheres:
         raise file.fault('interference_spheres', 'at least one sphere expected')
-    for sphere in spheres:
-        if sphere.name in muscle.interference_names:
-            there = file.mapping('interference_spheres')
-            raise there.fault(sphere.name, 'the model has one of this name')
+    known = [each.name for each in spheres if each.name in muscle.interference_names]
+    if known:
+        there = file.mapping('interference_spheres')
+        raise there.fault(known[0], 'the model has one of this name')
     centres = metres * np.array([sphere.centre for sphere in spheres])
     radii = metres * np.array([sphere.radius for sphere in spheres])
     return replace(

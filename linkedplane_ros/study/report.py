@@ -35,6 +35,7 @@ CHAPTERS: Sequence[Callable[[Subject], Chapter]] = (
 
 REPORT = 'report.md'
 TITLE = '# Study of '  # begins every report
+FOLDERS = ('tables', 'figures')
 PATTERNS = (REPORT, 'tables/*.csv', 'figures/*.png', 'figures/*.gif')  # what a study writes
 DPI = 200  # of the figures
 
@@ -60,7 +61,7 @@ def write_study(subject: Subject, folder: Path, force: bool = False, animated: b
     """
     check_folder(folder, force)
     with replace_content(folder) as made:
-        for sub in ('tables', 'figures'):
+        for sub in FOLDERS:
             (made / sub).mkdir(parents=True)
         pages = [_chapter(make(subject), made, animated) for make in CHAPTERS]
         text = '\n\n'.join([_head(subject), *pages]) + '\n'
@@ -79,9 +80,10 @@ def check_folder(folder: Path, force: bool) -> None:
     if not force:
         raise RecordingError(f'{folder}: holds a study; --force to replace it')
     ours = {path for pattern in PATTERNS for path in folder.glob(pattern)}
-    for path in folder.rglob('*'):
-        if path not in ours and not (path.is_dir() and path.name in ('tables', 'figures')):
-            raise RecordingError(f'{path}: is no file of the study in this folder; move it away')
+    others = (path for path in folder.rglob('*') if path not in ours)
+    foreign = next((each for each in others if not (each.is_dir() and each.name in FOLDERS)), None)
+    if foreign is not None:
+        raise RecordingError(f'{foreign}: is no file of the study in this folder; move it away')
 
 
 @contextmanager

@@ -145,7 +145,7 @@ def test_an_angle_may_be_written_in_any_usual_way(
         (('0', '90', '0'), '90 rad is more than a full turn; --degrees?'),
         (('-7', '0', '0'), '7 rad is more than a full turn; --degrees?'),
         (('inf', '0', '0'), 'inf rad'),
-        (('nan', '0', '0'), '3 finite numbers in rad expected'),
+        (('nan', '0', '0'), 'angles: [nan, 0.0, 0.0] given, 3 finite numbers in rad expected'),
         (('0', '90', 'nan'), ''),
         (('--degrees', '0', '1e400', '0'), '3 finite numbers in rad expected'),
     ],

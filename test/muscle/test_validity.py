@@ -87,8 +87,8 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ),
     (
         {'interference_radii': [0.0274, -0.0243, 0.0239]},
-        f'interference sphere {DELTOID.interference_names[1]}: radius: ',
-        '-0.0243 given, > 0 expected',
+        'interference_radii: ',
+        f'-0.0243 m for sphere {DELTOID.interference_names[1]}, a radius > 0 expected',
     ),
     ({'interference_radii': [0.03]}, 'interference_radii: ', 'shape (1,) given, (3,) expected'),
     ({'interference_centres': np.full((3, 3), np.nan)}, 'interference_centres: ', 'nan given at'),
@@ -126,7 +126,9 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
         ({'band_names': list(range(9))}, 'band_names: 0 given; a name expected'),
         ({'interference_names': 'abc'}, "interference_names: 'abc' given, a list expected"),
         ({'sphere_radii': ['0.1'] * 9}, 'sphere_radii: '),
-        ({'origins': DELTOID.origins + 0j}, 'origins: '),
+        ({'origins': DELTOID.origins + 0j}, 'origins: [[(-0.0'),
+        ({'heads': np.zeros(1)}, 'heads: 0.0 given; a Head expected'),
+        ({'stated': 5}, 'stated: 5 given, a Definition expected'),
     ],
 )
 def test_a_field_of_another_kind_is_named(change: dict[str, Any], start: str) -> None:

@@ -28,6 +28,7 @@ STILL = np.eye(3)
     [
         (Straight, {'origin': (0.0, 0.0)}, r'origin: \(0.0, 0.0\) given, 3 finite numbers in m'),
         (Straight, {'insertion': (0.0, 0.0, np.inf)}, r'insertion: .* given, 3 finite numbers'),
+        (Straight, {'origin': np.zeros(2)}, r'origin: \[0.0, 0.0\] given, 3 finite numbers in m'),
         (Straight, {'origin': 'abc'}, "origin: 'abc' given, 3 finite numbers in m expected"),
         (Straight, {'origin': None}, 'origin: None given, 3 finite numbers in m expected'),
         (ViaPoints, {'on_humerus': ((0.0, np.nan, 0.0),)}, r'on_humerus\[0\]: .* given'),
