@@ -179,7 +179,8 @@ class CsvOutput:
         """Write the facts and the header."""
         self._file = path.open('w', encoding='utf-8', newline='')
         if facts_path is not None:
-            text = yaml.safe_dump(dict(description.facts), sort_keys=False, allow_unicode=True)
+            facts = dict(description.facts)
+            text = yaml.safe_dump(facts, sort_keys=False, allow_unicode=True, width=10**6)
             facts_path.write_text(text, encoding='utf-8')
         else:
             for name, fact in description.facts.items():

@@ -8,6 +8,7 @@ is: executables, parameters, launch arguments, topics, targets, options.
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import doctest
 import importlib.metadata
@@ -26,6 +27,7 @@ from pages import TOP
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros.commands.main import build_parser, main
+from linkedplane_ros.node.messages import message_class
 from linkedplane_ros.node.parameters import SPECS
 from linkedplane_ros.node.settings import Settings
 from linkedplane_ros.node.topics import OUTPUTS
@@ -33,7 +35,11 @@ from linkedplane_ros.node.topics import OUTPUTS
 PACKAGE = 'linkedplane_ros'
 SCRIPTS = importlib.metadata.distribution(PACKAGE).entry_points.names
 RUNS = ('info', 'solve', 'process', 'plot')  # commands of some seconds, that need no node
-QOS = re.compile(r'qos_overrides\./joint_states\.subscription\.(reliability|depth)')
+TOPICS = {f'/deltoid/{topic.name}': topic for topic in OUTPUTS}
+QOS = re.compile(
+    rf'qos_overrides\.(/joint_states\.subscription|({"|".join(TOPICS)})\.publisher)'
+    r'\.(reliability|durability|depth)'
+)
 CLONE = ['git', 'clone', '<this', 'repository>', PACKAGE]
 OTHERS = (  # what a reader does with programs that are not ours
     ['cd', '~/ros2_ws/src'],
@@ -45,6 +51,9 @@ OTHERS = (  # what a reader does with programs that are not ours
     ['sudo', 'apt', 'install', 'python3-numba'],
     ['colcon', 'build', '--packages-select', PACKAGE],
     ['colcon', 'test', '--packages-select', PACKAGE],
+    ['sudo', 'apt', 'install', 'ros-jazzy-plotjuggler-ros'],
+    ['kill', '%1'],
+    ['wait', '%1'],
 )
 
 
@@ -145,6 +154,10 @@ class Reader:
 
     def command(self, words: list[str]) -> str:
         """Run a command, or check what it names; return what it has printed, if it ran."""
+        if words[-1] == '&':  # in the background, or into a file: the same command
+            words = words[:-1]
+        if '>' in words:
+            words = words[: words.index('>')]
         program, *rest = words
         if program == 'linkedplane':
             return linkedplane(rest)
@@ -156,6 +169,11 @@ class Reader:
             subprocess.run(['make', '-n', *rest], cwd=TOP, check=True, capture_output=True)
         elif program == 'ros2':
             ros2(rest)
+        elif program == 'until':
+            loop = ['|', 'grep', '-q', 'Subscription count: 1;', 'do', 'sleep', '0.2;', 'done']
+            assert rest[:3] == ['ros2', 'topic', 'info']
+            assert rest[3] in TOPICS
+            assert rest[4:] == loop
         elif program in SCRIPTS:
             node(program, rest)
         elif words[:2] == ['pip', 'install']:
@@ -186,7 +204,11 @@ def linkedplane(words: list[str]) -> str:
 def ros2(words: list[str]) -> None:
     """Check a command of ROS 2: what it names of ours is there."""
     kind, *rest = words
-    if kind == 'run':
+    if words[:3] == ['run', 'plotjuggler', 'plotjuggler']:
+        for option, file in zip(words[3::2], words[4::2], strict=True):
+            assert option in ('--layout', '--datafile')  # plotjuggler_app/main.cpp
+            assert in_clone(file).is_file() or Path(file).is_file()
+    elif kind == 'run':
         assert rest[0] == PACKAGE
         assert rest[1] in SCRIPTS
         node(rest[1], rest[2:])
@@ -202,15 +224,35 @@ def ros2(words: list[str]) -> None:
         for word in rest[2:]:
             assert not word.startswith('bag:=') or in_clone(word.removeprefix('bag:=')).is_dir()
     elif words[:2] == ['topic', 'echo']:
-        assert words[2].rpartition('/')[2] in {topic.name for topic in OUTPUTS}
-    elif words[:4] == ['topic', 'pub', '--once', '/joint_states']:
-        assert words[4] == 'sensor_msgs/msg/JointState'
-        file = re.fullmatch(r'\$\(cat (.*)\)', words[5])
-        message = in_clone(file[1]).read_text(encoding='utf-8') if file else words[5]
-        JointState(**yaml.safe_load(message))
+        echo(words[2:])
+    elif words[:2] == ['topic', 'pub']:
+        *how, topic, kind, message = words[2:]
+        assert how in (['--once'], ['--rate', '2'])
+        assert (topic, kind) == ('/joint_states', 'sensor_msgs/msg/JointState')
+        file = re.fullmatch(r'\$\(cat (.*)\)', message)
+        content = in_clone(file[1]).read_text(encoding='utf-8') if file else message
+        JointState(**yaml.safe_load(content))
     else:
         assert words[:2] == ['bag', 'play'], shlex.join(words)
         assert in_clone(words[2]).is_dir()
+
+
+def echo(words: Sequence[str]) -> None:
+    """Check what follows `ros2 topic echo`, with those of its options that the pages use."""
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    for flag in ('--once', '--csv', '--full-length'):
+        parser.add_argument(flag, action='store_true')
+    parser.add_argument('--timeout', type=float)
+    parser.add_argument('--field')
+    parser.add_argument('--qos-durability', choices=('transient_local', 'volatile'))
+    parser.add_argument('--qos-reliability', choices=('reliable', 'best_effort'))
+    parser.add_argument('topic', choices=TOPICS)
+    parser.add_argument('type', nargs='?')
+    given = parser.parse_args(words)
+    kind = TOPICS[given.topic].type
+    assert given.type in (None, kind)
+    assert given.field is None or hasattr(message_class(kind)(), given.field)
+    assert (given.qos_durability is None) == (given.qos_reliability is None)
 
 
 def in_clone(path: str) -> Path:

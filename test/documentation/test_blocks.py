@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
+import yaml
 from blocks import Reader, blocks, lay_out
 from pages import NAMES, TOP
 
@@ -35,6 +37,20 @@ def test_the_blocks_of_a_page_do_what_they_say(
         ),
         ('```console\n$ ros2 topic echo /deltoid/lengths\n```', 'page.md:2: '),
         (
+            '```console\n$ ros2 topic echo /deltoid/band_states std_msgs/msg/String\n```',
+            'page.md:2: ',
+        ),
+        ('```console\n$ ros2 topic echo --field date /deltoid/band_lengths &\n```', 'page.md:2: '),
+        (
+            '```console\n$ ros2 run linkedplane_ros muscle_state_publisher --ros-args '
+            '-p qos_overrides./deltoid/arms.publisher.durability:=transient_local\n```',
+            'page.md:2: ',
+        ),
+        (
+            '```console\n$ ros2 run plotjuggler plotjuggler --layout config/none.xml\n```',
+            'page.md:2: ',
+        ),
+        (
             '```console\n$ ros2 launch linkedplane_ros deltoid.launch.py rvz:=true\n```',
             'page.md:2: ',
         ),
@@ -52,3 +68,12 @@ def test_a_wrong_block_is_found(
     with pytest.raises(AssertionError) as found:
         Reader(page).read()
     assert fault in str(found.value)
+
+
+def test_the_answer_that_a_script_gets_is_that_of_the_sample_message() -> None:
+    page = TOP / 'doc' / 'how_to' / 'scripts.md'
+    [text] = [block.text for block in blocks(page) if block.language == 'text']
+    [numbers] = re.findall(r"array\('d', (\[.*\])\)", text)
+    sample = TOP / 'msg_examples' / 'abduction_90.expected.yaml'
+    expected = yaml.safe_load(sample.read_text(encoding='utf-8'))['band_lengths']
+    assert yaml.safe_load(numbers) == pytest.approx(expected, abs=1e-11)  # m: rounded to 1e-12

@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import json
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
 from builtin_interfaces.msg import Time
 from ros_harness import Peer
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.joints.conventions import THESIS_CONVENTION
 from linkedplane_ros.node.markers import MuscleMarkers
+from linkedplane_ros.node.messages import Answers
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 from linkedplane_ros.node.parameters import SPECS
 from linkedplane_ros.node.topics import OUTPUTS
@@ -81,12 +85,68 @@ def test_foxglove_is_set_to_topics_namespaces_and_values_that_exist() -> None:
     assert lengths == [f'/deltoid/band_states.position[{i}]' for i in range(9)]
     for j, place in enumerate(('first', 'second', 'third')):
         arms = [path['value'] for path in panels[f'Plot!moment_arms_{place}']['paths']]
-        assert arms == [f'/deltoid/moment_arms.data[{3 * i + j}]' for i in range(9)]
+        assert arms == [f'/deltoid/moment_arm_states.position[{3 * i + j}]' for i in range(9)]
     for name, panel in panels.items():
         if name.startswith('Plot!'):
             assert tuple(path['label'] for path in panel['paths']) == names
-    assert {'markers', 'band_states', 'moment_arms'} <= {topic.name for topic in OUTPUTS}
+            assert {path['timestampMethod'] for path in panel['paths']} == {'headerStamp'}
+    assert {'markers', 'band_states', 'moment_arm_states'} <= {topic.name for topic in OUTPUTS}
     assert panels['DiagnosticSummary!node']['topicToRender'] == '/diagnostics'
+
+
+def plotted_series() -> list[list[str]]:
+    """Return what PlotJuggler calls each plot's series, from the messages of the default node.
+
+    Its parser of joint states makes `topic/joint/position` of them (ParserROS/ros_parser.cpp).
+    """
+    solver, thesis = LinkedPlaneSolver(BroadMuscle.load('deltoid')), THESIS_CONVENTION
+    state = solver.solve(np.eye(3))
+    messages = Answers(solver.muscle.band_names, thesis.coordinates, 'scapula').update(
+        Time(), state, state.moment_vectors @ thesis.axes((0.0, 0.0, 0.0)), None
+    )
+    series = {
+        topic: [f'/deltoid/{topic}/{joint}/position' for joint in messages[topic].name]
+        for topic in ('band_states', 'moment_arm_states')
+    }
+    arms = series['moment_arm_states']
+    return [series['band_states'], *(arms[j::3] for j in range(3))]
+
+
+def test_plotjuggler_is_set_to_series_that_exist() -> None:
+    root = ElementTree.parse(TOP / 'config' / 'deltoid_plotjuggler.xml').getroot()
+    plots = [[curve.get('name') for curve in plot.iter('curve')] for plot in root.iter('plot')]
+    assert plots == plotted_series()
+    titles = [area.get('name') for area in root.iter('DockArea')]
+    assert titles[1:] == [f'Moment arms (m), {each}' for each in THESIS_CONVENTION.coordinates]
+    topics = {f'/deltoid/{topic.name}' for topic in OUTPUTS}
+    for plugin in root.iterfind('Plugins/plugin'):
+        selected = plugin.find('selected_topics').get('value').split(';')
+        assert set(selected) <= topics
+        assert all(name.startswith(tuple(selected)) for plot in plots for name in plot)
+        assert plugin.find('use_header_stamp').get('value') == 'true'
+
+
+def test_plotjuggler_finds_in_its_layout_what_it_asks_for() -> None:
+    root = ElementTree.parse(TOP / 'config' / 'deltoid_plotjuggler.xml').getroot()
+    window = root.find('tabbed_widget')
+    assert (root.tag, window.get('name')) == ('root', 'Main Window')
+    [tab] = window.findall('Tab')
+    assert int(tab.get('containers')) == len(tab.findall('Container')) == 1
+    [splitter] = root.iter('DockSplitter')
+    sizes = [float(size) for size in splitter.get('sizes').split(';')]
+    assert int(splitter.get('count')) == len(sizes) == len(splitter.findall('DockArea/plot')) == 4
+    assert sum(sizes) == pytest.approx(1.0)
+    assert {plot.get('mode') for plot in root.iter('plot')} == {'TimeSeries'}
+    streamer = root.find('previouslyLoaded_Streamer').get('name')
+    assert streamer in {plugin.get('ID') for plugin in root.iterfind('Plugins/plugin')}
+
+
+def test_the_plots_of_foxglove_and_plotjuggler_have_the_same_colours() -> None:
+    layout = json.loads((TOP / 'config' / 'deltoid_foxglove.json').read_text())
+    root = ElementTree.parse(TOP / 'config' / 'deltoid_plotjuggler.xml').getroot()
+    colours = [[curve.get('color') for curve in plot.iter('curve')] for plot in root.iter('plot')]
+    panels = [each for name, each in layout['configById'].items() if name.startswith('Plot!')]
+    assert colours == [[path['color'] for path in panel['paths']] for panel in panels]
 
 
 def test_every_foxglove_panel_stands_in_the_layout_once() -> None:

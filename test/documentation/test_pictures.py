@@ -12,7 +12,7 @@ from pages import TOP
 SCRIPTS = sorted((TOP / 'doc' / 'pictures').glob('render_*.py'))
 
 
-@pytest.mark.parametrize('name', ['band', 'poses', 'theta'])
+@pytest.mark.parametrize('name', ['band', 'plain', 'plots', 'poses', 'theta'])
 def test_a_picture_can_be_drawn_again(name: str, tmp_path: Path) -> None:
     pytest.importorskip('matplotlib')
     script = runpy.run_path(str(TOP / 'doc' / 'pictures' / f'render_{name}.py'))
