@@ -20,6 +20,10 @@ class RecordingError(LinkedPlaneError):
     """A recording that cannot be read; the message names the file and the reason."""
 
 
+class ArgumentError(LinkedPlaneError):
+    """An argument of a command line that cannot be used; it ends an executable with status 2."""
+
+
 class FieldError(ModelError):
     """A field that a model cannot have; the reader of a file names its key instead."""
 

@@ -4,16 +4,28 @@
 import signal
 import sys
 
+from ..node.command_line import ArgumentParser, mistakes_in_one_line, split_ros_arguments
 from ..node.environment import prepare_executable
+
+PROGRAM = 'linkedplane_demo'
 
 
 def main() -> int:
     """Prepare ROS, then run the demonstration; return its exit status."""
+    own, ros_arguments = split_ros_arguments(sys.argv[1:])
+    ArgumentParser(
+        prog=PROGRAM,
+        usage=f'{PROGRAM} [-h] [--ros-args ...]',
+        description='Run the muscle node, fed from a recording of an arm that is raised and '
+        'lowered, and show what it answers.',
+        epilog='ROS arguments follow --ros-args; they are those of the node that listens.',
+    ).parse_args(own)
     prepare_executable()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     from ..node.demo import main as run
 
-    return int(run())
+    with mistakes_in_one_line(PROGRAM):
+        return int(run(ros_arguments))
 
 
 if __name__ == '__main__':

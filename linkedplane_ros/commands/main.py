@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 
 from .. import __version__
+from ..node.command_line import exit_status, split_ros_arguments
 from . import fit, info, play, plot, process, solve, study
 
 COMMANDS = {
@@ -30,7 +31,9 @@ COMMANDS = {
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser of the command line, all commands in it."""
     top = argparse.ArgumentParser(
-        prog='linkedplane', description='Muscle paths by linked-plane obstacle sets.'
+        prog='linkedplane',
+        description='Muscle paths by linked-plane obstacle sets.',
+        epilog='ROS arguments of `linkedplane play` follow --ros-args.',
     )
     top.add_argument('--version', action='version', version=__version__)
     commands = top.add_subparsers(title='commands', required=True, metavar='COMMAND')
@@ -51,15 +54,19 @@ def expand_exponent(argument: str) -> str:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit status."""
-    words = [expand_exponent(arg) for arg in (sys.argv[1:] if args is None else args)]
-    options = build_parser().parse_args(words)
-    options.words = words
+    own, ros_arguments = split_ros_arguments(sys.argv[1:] if args is None else args)
+    words = [expand_exponent(arg) for arg in own]
+    parser = build_parser()
+    options = parser.parse_args(words)
+    if ros_arguments[1:] and options.run is not play.run:
+        parser.error(f'no ROS arguments expected: {" ".join(ros_arguments)}; only play is a node')
+    options.words, options.ros_arguments = words, ros_arguments
     try:
         options.run(options)
         sys.stdout.flush()
     except ValueError as error:  # ours, or a library's for what it found in a file
         print(f'linkedplane: {error}', file=sys.stderr)
-        return 1
+        return exit_status(error)
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:  # the reader of the output has closed it

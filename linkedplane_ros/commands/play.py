@@ -45,11 +45,12 @@ def run(args: argparse.Namespace) -> None:
     from rclpy.signals import SignalHandlerOptions
 
     from ..node.play import Playback, play_recording
+    from ..node.ros_arguments import initialise_ros
 
     how = Playback(
         args.rate, args.loop, args.start_offset, args.clock or 0.0, args.wait, args.subscribers
     )
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    initialise_ros(args.ros_arguments, signal_handler_options=SignalHandlerOptions.NO)
     try:
         print(
             f'{recording.path}: {recording.count} joint states on {", ".join(recording.topics)}, '

@@ -1,15 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
 """The executable muscle_state_publisher, also `python -m linkedplane_ros.node`."""
 
+import sys
+from argparse import RawDescriptionHelpFormatter
+
+from .command_line import ArgumentParser, mistakes_in_one_line, split_ros_arguments
 from .environment import prepare_executable
+from .parameters import SPECS
+
+PROGRAM = 'muscle_state_publisher'
+
+
+def build_parser() -> ArgumentParser:
+    """Return the parser of the command line; all that the node takes are ROS arguments."""
+    parameters = '\n'.join(f'  -p {spec.name}:={spec.default_text}' for spec in SPECS)
+    return ArgumentParser(
+        prog=PROGRAM,
+        usage=f'{PROGRAM} [-h] [--ros-args ...]',
+        description='A ROS node: joint states in, muscle states out.',
+        epilog=f'ROS arguments follow --ros-args; parameters and their defaults:\n{parameters}',
+        formatter_class=RawDescriptionHelpFormatter,
+    )
 
 
 def main() -> None:
     """Prepare ROS, then run the node."""
+    own, ros = split_ros_arguments(sys.argv[1:])
+    build_parser().parse_args(own)
     prepare_executable()
     from .muscle_state_publisher import main
 
-    main()
+    with mistakes_in_one_line(PROGRAM):
+        main(ros)
 
 
 if __name__ == '__main__':

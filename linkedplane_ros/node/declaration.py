@@ -26,9 +26,13 @@ def declare_parameters(node: Node) -> Settings:
 
     """
     free = ParameterDescriptor(dynamic_typing=True)
-    values = {
-        spec.name: node.declare_parameter(spec.name, spec.default, free).value for spec in SPECS
-    }
+    values = {}
+    for spec in SPECS:
+        value = node.declare_parameter(spec.name, spec.default, free).value
+        if value is None:  # rcl drops the type of a list that is empty, and with it the list
+            value = []
+            node.set_parameters([Parameter(spec.name, Parameter.Type.STRING_ARRAY, value)])
+        values[spec.name] = value
     settings = Settings.from_values(values, may_fail=list_muscles(values['muscle']))
     for spec in SPECS:
         node.set_descriptor(spec.name, describe(spec))

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..processing.topics import ANSWERS
 from ..recordings.bags import Recording
 from .messages import message_class
+from .ros_arguments import argument_errors, initialise_ros, warn_of_unknown_parameters
 from .topics import DIAGNOSTICS, OUTPUTS
 
 NAMES = tuple(topic.name for topic in ANSWERS)
@@ -137,17 +139,19 @@ def sample_folder() -> Path:
     raise LinkedPlaneError(f'the sample recording arm_raise is neither in {sources} nor installed')
 
 
-def main() -> int:
+def main(ros_arguments: Sequence[str] = ()) -> int:
     """Run the demonstration; return 0 if every joint state was answered on every topic."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
     recording = Recording.from_bag(sample_folder() / 'arm_raise')
     muscle = BroadMuscle.load('deltoid')
     run = [sys.executable, '-m']
+    initialise_ros(ros_arguments)
+    with argument_errors():
+        listener = Listener(muscle)
+    warn_of_unknown_parameters(listener)
     node = subprocess.Popen([*run, 'linkedplane_ros.node', *RELIABLE_INPUT])
     player = None
-    rclpy.init()
-    listener = Listener(muscle)
     try:
         if not spin_until(listener, listener.is_connected, node, STARTING):
             print('demo: the node did not start', file=sys.stderr)

@@ -7,7 +7,6 @@ A JointState becomes three angles in `joints.joint_state`; `outputs` answers the
 from __future__ import annotations
 
 import gc
-import sys
 from collections.abc import Sequence
 from threading import Timer
 from time import perf_counter
@@ -31,8 +30,9 @@ from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
 from .interruption import interruptible
-from .outputs import THROTTLE, MuscleOutputs
-from .parameters import NAMES
+from .outputs import NODE_NAME, THROTTLE, MuscleOutputs
+from .parameters import NAMES, is_list
+from .ros_arguments import argument_errors, initialise_ros, warn_of_unknown_parameters
 from .settings import Settings
 from .topics import DIAGNOSTICS, JOINT_STATES
 
@@ -42,7 +42,7 @@ class MuscleStatePublisher(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         """Declare parameters and topics; LinkedPlaneError for a parameter that cannot be used."""
-        super().__init__('muscle_state_publisher', **kwargs)
+        super().__init__(NODE_NAME, **kwargs)
         self._muscles: Sequence[MuscleOutputs] = ()
         self._peer_lines: list[str] = []
         settings = self._declare_parameters()
@@ -74,11 +74,8 @@ class MuscleStatePublisher(Node):
             f'{settings.convention.name}: {settings.convention.formula}; '
             f'joints {", ".join(settings.joints.names)}, humerus against scapula, rad'
         )
-        if settings.convention.relative_to != 'scapula':
-            self.get_logger().warning(
-                f'{settings.convention.name} streams usually measure the humerus against the '
-                f'{settings.convention.relative_to}; this node needs it against the scapula'
-            )
+        self._warn_of_convention()
+        warn_of_unknown_parameters(self)
 
     def _declare_parameters(self) -> Settings:
         """Return the settings; log a line if they take long because the solver is compiled."""
@@ -90,6 +87,15 @@ class MuscleStatePublisher(Node):
             return declare_parameters(self)
         finally:
             notice.cancel()
+
+    def _warn_of_convention(self) -> None:
+        """Log what the convention's streams usually measure, if that is not what is needed."""
+        convention = self._settings.convention
+        if convention.relative_to != 'scapula':
+            self.get_logger().warning(
+                f'{convention.name} streams usually measure the humerus against the '
+                f'{convention.relative_to}; this node needs it against the scapula'
+            )
 
     def _apply(self, settings: Settings, muscles: Sequence[MuscleOutputs]) -> None:
         """Use these settings and answer with these muscles from now on."""
@@ -136,9 +142,16 @@ class MuscleStatePublisher(Node):
         return SetParametersResult(successful=True)
 
     def _apply_changes(self, changes: list[Parameter]) -> None:
-        """Use accepted parameters."""
-        if any(change.name in NAMES for change in changes):
+        """Use accepted parameters, and log each."""
+        names = {change.name for change in changes}
+        if not names.isdisjoint(NAMES):
             self._apply(*self._candidate)
+        for change in changes:
+            if not change.name.startswith('qos_overrides.'):  # declared with a muscle's topics
+                value = list(change.value) if is_list(change.value) else change.value
+                self.get_logger().info(f'parameter {change.name}: {value!r} from now on')
+        if 'joint_convention' in names:
+            self._warn_of_convention()
 
     def _merge_values(self, changes: list[Parameter]) -> dict[str, Any]:
         values = {name: self.get_parameter(name).value for name in NAMES}
@@ -182,13 +195,13 @@ class MuscleStatePublisher(Node):
         self._diagnostics.publish(array)
 
 
-def main(args: list[str] | None = None) -> None:
-    """Run the node until it is interrupted or terminated; either ends it with status 0."""
-    rclpy.init(args=args)
+def main(ros_arguments: Sequence[str] = ()) -> None:
+    """Run the node until it is interrupted or terminated; LinkedPlaneError for a mistake."""
+    initialise_ros(ros_arguments)
     node = None
     try:
         executor = SingleThreadedExecutor()  # before a signal can come: it fails noisily after one
-        with interruptible():
+        with interruptible(), argument_errors():
             node = MuscleStatePublisher()
         executor.add_node(node)
         gc.collect()
@@ -196,8 +209,6 @@ def main(args: list[str] | None = None) -> None:
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except LinkedPlaneError as error:
-        sys.exit(f'muscle_state_publisher: {error}')
     except (RCLError, InvalidHandle):
         if rclpy.ok():  # otherwise the signal came in the middle of a call
             raise

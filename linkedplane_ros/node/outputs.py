@@ -29,6 +29,7 @@ from .settings import STILL, Settings
 from .topics import OUTPUTS
 
 THROTTLE = 5.0  # s between log lines on rejected messages
+NODE_NAME = 'muscle_state_publisher'
 
 
 class MuscleOutputs:
@@ -191,8 +192,17 @@ class MuscleOutputs:
         }
         return build_status(
             self.tally,
-            f'{self._node.get_fully_qualified_name()[1:]}: {self.name}',
+            status_name(self._node, self.name),
             f'{self.name}, {side}',
             perf_counter(),
             facts,
         )
+
+
+def status_name(node: Node, muscle: str) -> str:
+    """Return the name of a muscle's status; where the node is renamed, it says what it is.
+
+    By that name, config/diagnostic_aggregator.yaml groups all nodes.
+    """
+    name = f'{node.get_fully_qualified_name()[1:]}: {muscle}'
+    return name if node.get_name() == NODE_NAME else f'{name} ({NODE_NAME})'

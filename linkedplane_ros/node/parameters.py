@@ -67,7 +67,7 @@ class ParameterSpec:
             return self._check_list(value)
         if self.numbers and not isinstance(value, str):
             items = value if isinstance(value, (Sequence, array)) else [value]
-            if not all(is_finite_number(item) for item in items):
+            if not items or not all(is_finite_number(item) for item in items):
                 raise self._fault(value, 'numbers or text')
             return ','.join(repr(float(item)) for item in items)
         if self.several and not isinstance(value, str):
@@ -150,7 +150,7 @@ SPECS = (
     ParameterSpec(
         'joint_names',
         [''],
-        "The three joints in the convention's order; one empty name: its coordinates.",
+        "The three joints in the convention's order; one empty name, or none: its coordinates.",
     ),
     ParameterSpec(
         'joint_signs', [1.0, 1.0, 1.0], 'angle = sign * position + offset: the three signs, +-1.'

@@ -16,6 +16,7 @@ from sensor_msgs.msg import JointState
 
 from ..recordings.bags import Recording
 from . import qos
+from .ros_arguments import argument_errors, warn_of_unknown_parameters
 from .topics import CLOCK
 
 SETTLING = 0.3  # s: a subscriber is known here a little earlier than this publisher there
@@ -57,7 +58,9 @@ def play_recording(recording: Recording, how: Playback) -> int:
         The number of messages published.
 
     """
-    node = rclpy.create_node('linkedplane_play')
+    with argument_errors():
+        node = rclpy.create_node('linkedplane_play')
+    warn_of_unknown_parameters(node)
     publishers = {
         topic: node.create_publisher(JointState, topic, OUTPUT_QOS) for topic in recording.topics
     }

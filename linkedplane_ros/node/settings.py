@@ -57,8 +57,12 @@ class Settings:
             raise LinkedPlaneError(
                 f'parameter joint_signs: {checked["joint_signs"]} given, 1.0 or -1.0 expected'
             )
-        if not checked['frame_id']:
-            raise LinkedPlaneError("parameter frame_id: '' given, the name of a frame expected")
+        frame = checked['frame_id']
+        if not frame or frame.startswith('/'):
+            raise LinkedPlaneError(
+                f'parameter frame_id: {frame!r} given, the name of a frame expected; tf2 has none '
+                "that starts with '/'"
+            )
         solvers, left_out = build_solvers(
             list_muscles(checked['muscle']), checked['scale'], checked['side'], convention, may_fail
         )

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import errno
 import io
@@ -16,13 +15,17 @@ from threading import Thread
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import ExternalShutdownException
-from rclpy.utilities import remove_ros_args
 
 from ..libraries import advise_install
+from ..node.ros_arguments import (
+    argument_errors,
+    check_ros_arguments,
+    initialise_ros,
+    warn_of_unknown_parameters,
+)
+from .arguments import LOOPBACK, PORT, parse_arguments
 
-PORT = 8080
 TRIED = 20  # ports above a busy one
-LOOPBACK = '127.0.0.1'
 NODE = [
     sys.executable,
     '-m',
@@ -31,21 +34,6 @@ NODE = [
     '-p',
     'markers.rate:=120',
 ]
-
-
-def parse_arguments(given: list[str]) -> argparse.Namespace:
-    """Return the arguments; those after --ros-args are for ROS."""
-    parser = argparse.ArgumentParser(
-        prog='muscle_viewer',
-        description='Show the muscles that are published, in a browser, and move their arms.',
-        epilog='ROS arguments follow --ros-args.',
-    )
-    parser.add_argument('--host', default=LOOPBACK, help='address to listen on (%(default)s)')
-    parser.add_argument(
-        '--port', type=int, help=f'port to listen on ({PORT}, or the next free one)'
-    )
-    parser.add_argument('--node', action='store_true', help='start the muscle node as well')
-    return parser.parse_args(remove_ros_args(given)[1:])
 
 
 def find_port(host: str, port: int | None) -> int:
@@ -81,18 +69,25 @@ def main(given: list[str] | None = None) -> None:
     port = find_port(options.host, options.port)
     if options.node:
         os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    rclpy.init(args=given)
-    muscle = subprocess.Popen(NODE) if options.node else None
+    check_ros_arguments(options.ros_arguments)
+    initialise_ros([] if options.node else options.ros_arguments)
+    with argument_errors():
+        node = ViewerNode()
+    warn_of_unknown_parameters(node)
+    muscle = subprocess.Popen([*NODE, *options.ros_arguments]) if options.node else None
     quiet = contextlib.redirect_stdout(io.StringIO())
     with quiet:
         server = viser.ViserServer(options.host, port, label='muscle viewer', verbose=False)
     server.request_share_url = lambda verbose=True: None  # no request leaves this machine
     print(address_line(options.host, server.get_port()), flush=True)
-    node = ViewerNode()
     reading = Thread(target=node.spin, args=(rclpy.ok,), daemon=True)
     reading.start()
     try:
-        Viewer(server, node).run(lambda: rclpy.ok() and reading.is_alive())
+        Viewer(server, node).run(
+            lambda: rclpy.ok() and reading.is_alive() and not (muscle and muscle.poll())
+        )
+        if muscle and muscle.poll():  # it has said why
+            sys.exit(muscle.returncode)
         if rclpy.ok():
             sys.exit(
                 'muscle_viewer: the thread that reads the topics has ended; see the error above'

@@ -223,6 +223,8 @@ def ros2(words: list[str]) -> None:
         assert not unknown, f'{unknown}: no such argument'
         for word in rest[2:]:
             assert not word.startswith('bag:=') or in_clone(word.removeprefix('bag:=')).is_dir()
+    elif words[:2] == ['param', 'dump']:
+        assert words[2] == '/muscle_state_publisher'
     elif words[:2] == ['topic', 'echo']:
         echo(words[2:])
     elif words[:2] == ['topic', 'pub']:
@@ -267,6 +269,8 @@ def node(script: str, words: Sequence[str]) -> None:
         return
     given = {}
     for option, word in zip(words[1::2], words[2::2], strict=True):
+        if option == '--params-file':
+            continue
         name, is_parameter, value = word.partition(':=')
         assert (words[0], option, is_parameter) == ('--ros-args', '-p', ':='), word
         if not QOS.fullmatch(name):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from builtin_interfaces.msg import Time
-from ros_harness import Peer
+from ros_harness import Peer, together
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.joints.conventions import THESIS_CONVENTION
@@ -158,9 +159,40 @@ def test_every_foxglove_panel_stands_in_the_layout_once() -> None:
     assert sorted(leaves(layout['layout'])) == sorted(layout['configById'])
 
 
-def test_the_aggregator_is_set_to_the_names_of_the_nodes(node: MuscleStatePublisher, peer: Peer
-                                                         ) -> None:  # fmt: skip
+def is_grouped(name: str) -> bool:
+    """Return whether config/diagnostic_aggregator.yaml groups a status of this name.
+
+    By the rules of diagnostic_aggregator's GenericAnalyzer::match.
+    """
     file = yaml.safe_load((TOP / 'config' / 'diagnostic_aggregator.yaml').read_text())
-    [word] = file['/**']['ros__parameters']['muscles']['contains']
-    assert peer.until(lambda: bool(peer.diagnostics))
-    assert word in peer.diagnostics[-1].status[0].name
+    analyzer = file['/**']['ros__parameters']['muscles']
+    assert analyzer['type'] == 'diagnostic_aggregator/GenericAnalyzer'
+    return (
+        any(re.fullmatch(pattern, name) for pattern in analyzer.get('regex', ()))
+        or name in analyzer.get('expected', ())
+        or any(name.startswith(begin) for begin in analyzer.get('startswith', ()))
+        or any(word in name for word in analyzer.get('contains', ()))
+    )
+
+
+@pytest.mark.parametrize(
+    ('remaps', 'name'),
+    [
+        ((), 'muscle_state_publisher: deltoid'),
+        (('__node:=left_deltoid',), 'left_deltoid: deltoid (muscle_state_publisher)'),
+        (('__ns:=/left',), 'left/muscle_state_publisher: deltoid'),
+        (('__ns:=/left', '__node:=m'), 'left/m: deltoid (muscle_state_publisher)'),
+    ],
+    ids=['as it is', 'renamed', 'in a namespace', 'both'],
+)
+def test_the_aggregator_groups_a_node_whatever_it_is_called(
+    remaps: tuple[str, ...], name: str, peer: Peer
+) -> None:
+    given = [part for remap in remaps for part in ('-r', remap)]
+    node = MuscleStatePublisher(cli_args=['--ros-args', *given])
+    with together(peer, node):
+        assert peer.until(lambda: bool(peer.diagnostics))
+    node.destroy_node()
+    assert peer.diagnostics[-1].status[0].name == name
+    assert is_grouped(name)
+    assert not is_grouped('another_node: deltoid')

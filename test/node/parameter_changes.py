@@ -54,6 +54,7 @@ WRONG: list[tuple[str, Any, str]] = [
     ('joint_offsets', [True, False, True], '3 finite numbers expected'),
     ('frame_id', '', 'the name of a frame expected'),
     ('frame_id', 7, 'text expected'),
+    ('frame_id', '/scapula', "tf2 has none that starts with '/'"),
     ('markers.enabled', 1, 'true or false expected'),
     ('markers.enabled', 'yes', 'true or false expected'),
     ('markers.details', 1, 'true or false expected'),

@@ -149,3 +149,39 @@ def test_a_change_of_side_keeps_the_moment_arms_and_mirrors_the_markers(
         for array in (peer.got['markers'][1], peer.got['markers'][-1])
     )
     assert [p.x for p in last.points] == [-p.x for p in first.points]
+
+
+def test_each_accepted_change_is_one_line_in_the_log_and_a_refused_one_is_none(
+    lone_node: MuscleStatePublisher, capfd: pytest.CaptureFixture[str]
+) -> None:
+    capfd.readouterr()
+    assert change_parameters(
+        lone_node, frame_id='elsewhere', joint_offsets=[0.5, 0.0, 0.0], use_sim_time=True
+    ).successful
+    lines = [line.partition(']: ')[2] for line in capfd.readouterr().err.splitlines()]
+    assert lines == [
+        "parameter frame_id: 'elsewhere' from now on",
+        'parameter joint_offsets: [0.5, 0.0, 0.0] from now on',
+        'parameter use_sim_time: True from now on',
+    ]
+    assert not change_parameters(lone_node, frame_id='/elsewhere', side='left').successful
+    assert capfd.readouterr().err == ''
+    assert change_parameters(lone_node, muscle='deltoid_ackland2008').successful
+    [line] = capfd.readouterr().err.splitlines()  # none for the quality of service of its topics
+    assert line.endswith("parameter muscle: 'deltoid_ackland2008' from now on")
+
+
+def test_a_humerothoracic_convention_is_warned_of_when_it_is_set_while_running(
+    lone_node: MuscleStatePublisher, capfd: pytest.CaptureFixture[str]
+) -> None:
+    usual = 'streams usually measure the humerus against the'
+    for name, convention in JOINT_CONVENTIONS.items():
+        capfd.readouterr()
+        assert change_parameters(lone_node, joint_convention=name, side='left').successful
+        warnings = [line for line in capfd.readouterr().err.splitlines() if '[WARN]' in line]
+        assert len(warnings) == (convention.relative_to != 'scapula')
+        assert all(f'{name} {usual} {convention.relative_to};' in line for line in warnings)
+    assert change_parameters(lone_node, joint_convention='opensim_mobl').successful
+    capfd.readouterr()
+    assert change_parameters(lone_node, side='right').successful
+    assert usual not in capfd.readouterr().err

@@ -189,7 +189,7 @@ def test_a_reader_whose_ros_is_shut_down_ends_without_a_word() -> None:
 
 def test_a_missing_library_is_named_with_what_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'viser', None)
-    with pytest.raises(SystemExit, match=r"pip install 'viser"):
+    with pytest.raises(SystemExit, match=r"pip install 'viser>=1\.1,<2'"):
         main(['muscle_viewer'])
 
 
