@@ -4,8 +4,8 @@
     python doc/house.py              say which imports break the rules; exit status 1 if any does
     python doc/house.py PICTURE.svg  draw the packages and their arrows
 
-A package imports only from those before it. ROS is met in three packages alone, and libraries that
-not everybody has are imported where they are used, so that everything else works without them.
+A package imports only from those before it. Only three packages import ROS, and libraries that not
+everybody has are imported where they are used, so that everything else works without them.
 """
 
 from __future__ import annotations

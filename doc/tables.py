@@ -45,7 +45,7 @@ def direction(R: Floats, vector: Floats) -> str:
 
 
 def single_angles() -> str:
-    """Return where 30 deg of each angle alone take the arm."""
+    """Return where 30 deg of each angle by itself take the arm."""
     rows = [
         ('' if j else f'`{name}`', coordinate, direction(R, ELBOW), direction(R, FOREARM))
         for name, convention in JOINT_CONVENTIONS.items()

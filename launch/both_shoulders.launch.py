@@ -19,7 +19,7 @@ from linkedplane_ros.node.launching.arguments import (
     parameter_argument,
 )
 from linkedplane_ros.node.launching.muscle_node import MuscleNode
-from linkedplane_ros.node.launching.player import play_recording
+from linkedplane_ros.node.launching.player import player_actions
 
 SIDES = ('left', 'right')
 SET_HERE = ('side', 'frame_id')
@@ -73,7 +73,7 @@ def start(context: LaunchContext) -> list[Action]:
             )
             for given in shoulders.values()
         ),
-        *play_recording(values, topics, clock),
+        *player_actions(values, topics, clock),
         Node(
             package='rviz2',
             executable='rviz2',

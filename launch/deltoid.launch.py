@@ -16,7 +16,7 @@ from linkedplane_ros.node.launching.arguments import (
     parameter_argument,
 )
 from linkedplane_ros.node.launching.muscle_node import MuscleNode
-from linkedplane_ros.node.launching.player import play_recording
+from linkedplane_ros.node.launching.player import player_actions
 
 PLACE = ('x', 'y', 'z', 'roll', 'pitch', 'yaw')
 ARGUMENTS = (
@@ -41,7 +41,7 @@ def start(context: LaunchContext) -> list[Action]:
     values = context.launch_configurations
     node = MuscleNode.from_arguments(context, values)
     clock = node.parameters['use_sim_time']
-    actions = [node.start(), *play_recording(values, [node.input_topic], clock)]
+    actions = [node.start(), *player_actions(values, [node.input_topic], clock)]
     if values['parent_frame']:
         actions.append(
             Node(

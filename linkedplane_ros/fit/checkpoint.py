@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The state of a fit on disk: a fit that was stopped continues as if it had not been."""
+"""The state of a fit on disk: a fit that was stopped continues to the same result."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 
 It is the sum of the squared deviations of lengths (mm) and of moment arms (mm) over parts, motions
 and steps, each times the weight of its row and of its kind. Penalties are added for what no muscle
-may do, band by band and pose by pose, each 100 mm^-2 times the square of a length: how deep the
+may do, for each band and pose, each 100 mm^-2 times the square of a length: how deep the
 path enters an interference sphere (the thesis added 10,000 at any depth; here that is reached at
 10 mm, and the slope leads out); how much a band falls short of its place behind the band before it,
 or parts from that band; how far it is past the edge of its own obstacle sphere, where its length
@@ -65,7 +65,7 @@ class FitStates:
     wrap: Bytes
     """(m, n) WrapState"""
     depths: Floats
-    """(m, n) m: how deep each band enters the interference spheres; negative: how far off it is."""
+    """(m, n) m: how deep each band enters the interference spheres; negative: its distance."""
     insides: Floats
     """(m, n) m: how deep its ends lie in its own obstacle sphere."""
     edges: Floats

@@ -80,7 +80,7 @@ class Search:
     added: tuple[int, ...] = ()
     """The numbers of the watched poses that were added to the criterion at this stage."""
     best_of: tuple[tuple[float, Floats], ...] = ()
-    """Of each stage that is done, how deep bands were let in, m, and the best (p,)."""
+    """Of each stage that is done, the depth that was allowed, m, and the best (p,)."""
 
     def state(self) -> dict[str, Any]:
         """Return the search in types that JSON has."""
@@ -119,7 +119,7 @@ class FitResult:
     value: float
     """mm^2, the criterion there, with all poses that were added to it."""
     best_of: tuple[tuple[float, Floats], ...]
-    """Of each stage, how deep bands were let in, m, and the best parameters (p,)."""
+    """Of each stage, the depth that was allowed, m, and the best parameters (p,)."""
 
 
 Follow = Callable[[FitProgress, Search], None]

@@ -80,7 +80,7 @@ def fixed_end_depth(muscle: Muscle, i: int) -> float:
 
 @compiled
 def end_depth(band: Band) -> float:
-    """Return how deep (m) the deeper end of a band lies in its sphere; negative: how far off."""
+    """Return how deep (m) the deeper end of a band lies in its sphere; negative: its distance."""
     section = band.section
     to_S = norm(minus(band.p, times(section.D, band.u)))
     return section.R - min(norm(band.p), to_S)
@@ -88,7 +88,7 @@ def end_depth(band: Band) -> float:
 
 @compiled
 def past_edge(section: Section, d: float, b: float) -> float:
-    """Return how far (m) a band is past the edge where its length jumps; negative: how far off.
+    """Return how far (m) a band is past the edge where its length jumps; negative: how far away.
 
     It jumps where a plane leaves the sphere while the sphere lies on the side of the bulge (b > 0).
     A band whose line pierces the sphere wraps it in every plane.

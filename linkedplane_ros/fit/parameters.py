@@ -31,7 +31,7 @@ from .places import (
 )
 from .space import POINTS, SLOTS, Parameter, Space, pack_definition
 
-SMALLEST = 1e-3  # m: no radius is sought below
+SMALLEST = 1e-3  # m: no smaller radius is tried
 
 
 @dataclass(frozen=True)

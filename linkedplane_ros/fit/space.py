@@ -62,13 +62,13 @@ class Space:
     flat_base: Floats
     """(size,) the flat muscle with all parameters zero."""
     flat_rows: Floats
-    """(size, p) what each parameter adds to the flat muscle, for each of its unit."""
+    """(size, p) what one unit of each parameter adds to the flat muscle."""
     places: tuple[str, ...]
     """(q) the places of the model file that change, as in `BroadMuscle.coefficients`."""
     place_base: Floats
     """(q,) their numbers with all parameters zero."""
     place_rows: Floats
-    """(q, p) what each parameter adds to them, for each of its unit."""
+    """(q, p) what one unit of each parameter adds to them."""
 
     @property
     def start(self) -> Floats:

@@ -33,7 +33,7 @@ class Survey:
     angles: Floats
     """(m, 3) rad, flexion, abduction, rotation."""
     depths: Floats
-    """(m, n) m, how deep each band enters the interference spheres; negative: how far off it is."""
+    """(m, n) m, how deep each band enters the interference spheres; negative: its distance."""
     gaps: Floats
     """(m, n - 1) m, how far each band lies behind the one before it; negative: in front of it."""
     spacing: Floats

@@ -36,7 +36,7 @@ class JointConvention:
     """Three angles as a sequence of turns about axes that move with the humerus.
 
     The rotation is R(axis 1, m1) R(axis 2, m2) R(axis 3, m3), with m = mix @ angles; mix is the
-    identity but where a convention turns by a difference of two of its coordinates.
+    identity except where a convention turns by a difference of two of its coordinates.
     """
 
     name: str
@@ -63,7 +63,8 @@ class JointConvention:
 
         Returns
         -------
-        (3, 3) the right shoulder's; the left shoulder is solved for the same one.
+        Floats
+            (3, 3) the right shoulder's; the left shoulder is solved for the same one.
 
         Raises
         ------
@@ -86,8 +87,9 @@ class JointConvention:
 
         Returns
         -------
-        (3, 3) column j is the unit axis of coordinate j at this pose, scapula frame. Where a
-        coordinate enters two turns its column is their sum, and not of unit length.
+        Floats
+            (3, 3) column j is the unit axis of coordinate j at this pose, scapula frame. Where a
+            coordinate enters two turns its column is their sum, and not of unit length.
 
         Raises
         ------
@@ -100,7 +102,28 @@ class JointConvention:
     def rotation_and_axes(
         self, angles: npt.ArrayLike, side: str = 'right'
     ) -> tuple[Floats, Floats]:
-        """Return `rotation` (always the right shoulder's) and `axes` of three angles, at once."""
+        """Return `rotation` and `axes` of three angles, at once.
+
+        Parameters
+        ----------
+        angles
+            (3,) rad.
+        side
+            As for `axes`.
+
+        Returns
+        -------
+        rotation : Floats
+            (3, 3) humerus -> scapula, always the right shoulder's.
+        axes : Floats
+            (3, 3) column j is the axis of coordinate j, scapula frame.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but three finite numbers, and for another side.
+
+        """
         given = [as_triple('angles', angles, 'rad')]
         rotations, axes = self.rotations_and_axes(given, side)
         return rotations[0], axes[0]
@@ -119,7 +142,10 @@ class JointConvention:
 
         Returns
         -------
-        (m, 3, 3) rotations, always the right shoulder's, and (m, 3, 3) axes.
+        rotations : Floats
+            (m, 3, 3) humerus -> scapula, always the right shoulder's.
+        axes : Floats
+            (m, 3, 3) as those of `axes`.
 
         Raises
         ------
@@ -157,12 +183,13 @@ class JointConvention:
 
         Returns
         -------
-        (3,) rad.
+        Floats
+            (3,) rad.
 
         Raises
         ------
         LinkedPlaneError
-            For anything but a proper rotation, and where no angles give it (opensim_tsm alone, for
+            For anything but a proper rotation, and where no angles give it (only opensim_tsm, as
             its third axis leans; see the message).
 
         """

@@ -20,7 +20,7 @@ _AXES: Floats = -_POINTS
 
 
 def check_side(side: str) -> None:
-    """Refuse what is no side of the body."""
+    """Refuse what is not a side of the body."""
     if side not in SIDES:
         raise LinkedPlaneError(f"side: {side!r} given, 'right' or 'left' expected")
 

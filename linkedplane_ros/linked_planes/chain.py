@@ -2,7 +2,7 @@
 """The linked planes at a pose: the bands, the chain of their planes, E (thesis ch. 4, App. B).
 
 Left unnormalised, every band's plane normal is a fixed combination A cos(theta) + B sin(theta) of
-two vectors that depend on the pose alone, so the chain of planes is built once per pose.
+two vectors that depend only on the pose, so the chain of planes is built once per pose.
 """
 
 from math import cos, sin, sqrt
@@ -168,7 +168,7 @@ def state_at(section: Section, d: float, b: float, held: bool) -> int:
 def energy(bands: list[Band], theta: float, pierced: bool, held: int) -> tuple[float, float, float]:
     """Return E (m), dE/dtheta and d2E/dtheta2.
 
-    `pierced` takes the bands that pierce their spheres for all there is; `held` is the band at the
+    `pierced` leaves out all bands but those that pierce their spheres; `held` is the band at the
     edge of its sphere (-1: none), which counts as straight.
     """
     c, s = cos(theta), sin(theta)

@@ -118,7 +118,7 @@ def search_circle(bands: list[Band], neutral: float) -> tuple[float, int]:
     """Return the theta of least length on the whole circle, and the band at its sphere's edge.
 
     Between the edges E is smooth: each stretch is searched for the places where dE/dtheta rises
-    through zero; the edges themselves are candidates, for there E jumps. The stretches are short
+    through zero; the edges themselves are candidates, as E jumps there. The stretches are short
     where E bends sharply: at an edge, and about the shortest plane of a band that turns fast.
     """
     nodes = [neutral]
@@ -226,7 +226,7 @@ def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
 
     The second answer is the band that this theta keeps at the edge of its sphere, or -1.
 
-    A function of the pose alone. Where the pierced bands are together at their shortest and all
+    It depends only on the pose. Where the pierced bands are together at their shortest and all
     other bands are straight, nothing is shorter; if others are not, the whole circle is searched.
     Where no band is pierced the muscle may be straight over a range of theta: the one nearest
     `neutral` is taken.

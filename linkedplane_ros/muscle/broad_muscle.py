@@ -164,6 +164,11 @@ class BroadMuscle:
             The name of a bundled model, or the path of a .yaml file
             (doc/reference/model_format.md).
 
+        Returns
+        -------
+        BroadMuscle
+            In m and rad, with the file's polynomials and units in its `definition`.
+
         Raises
         ------
         ModelError
@@ -184,7 +189,24 @@ class BroadMuscle:
 
     @staticmethod
     def from_definition(definition: Definition) -> BroadMuscle:
-        """Return the muscle that a definition defines, in m and rad; ModelError where none."""
+        """Return the muscle that a definition defines.
+
+        Parameters
+        ----------
+        definition
+            What a file states, in its own units.
+
+        Returns
+        -------
+        BroadMuscle
+            In m and rad; its `definition` is the one given.
+
+        Raises
+        ------
+        ModelError
+            Where the numbers do not make a muscle; it names the field.
+
+        """
         return BroadMuscle(**definition.muscle_fields, stated=definition)
 
     @cached_property
@@ -221,6 +243,11 @@ class BroadMuscle:
             humerus's; the same as text, with commas; or the path of a subject's measurements,
             .yaml (doc/reference/model_format.md).
 
+        Returns
+        -------
+        BroadMuscle
+            In m and rad; its `source` says the scale. At a scale of 1 an equal muscle.
+
         Raises
         ------
         ModelError
@@ -246,6 +273,11 @@ class BroadMuscle:
         ----------
         values
             The numbers by their places, as in `coefficients`, in the definition's units.
+
+        Returns
+        -------
+        BroadMuscle
+            In m and rad; everything else is as before.
 
         Raises
         ------
@@ -279,14 +311,19 @@ class BroadMuscle:
             part.write_text(text, encoding='utf-8')
 
     def count_outside_range(self, rotations: Floats) -> int:
-        """Return how many rotations lie outside the range of motion; 0 without a range.
+        """Return how many rotations lie outside the range of motion.
 
         A rotation has two triples of flexion, abduction and rotation; it is outside if both are.
 
         Parameters
         ----------
         rotations
-            (m, 3, 3) humerus -> scapula.
+            (m, 3, 3) humerus -> scapula, right-shoulder form.
+
+        Returns
+        -------
+        int
+            0 to m; 0 for a muscle without a range of motion.
 
         """
         if self.range_of_motion is None:
@@ -313,9 +350,15 @@ class BroadMuscle:
         return expand_frame(self.sphere_frame, len(self.band_names))
 
     def bands_by_sphere(self) -> dict[int, list[int]]:
-        """Return the numbers of the bands of each sphere, under the first of them.
+        """Return which bands share an obstacle sphere.
 
         Bands share a sphere if it stands on a bone, and its centre and radius are the same.
+
+        Returns
+        -------
+        dict
+            For each sphere the numbers of its bands, from 0, by the first of them.
+
         """
         shared: dict[Any, list[int]] = {}
         radii, centres = self.sphere_radii.tolist(), self.sphere_centres.tolist()
@@ -325,7 +368,24 @@ class BroadMuscle:
         return {bands[0]: bands for bands in shared.values()}
 
     def find_head(self, band: str) -> str:
-        """Return the name of the head that a band belongs to; ModelError if it is not a band."""
+        """Return the name of the head that a band belongs to.
+
+        Parameters
+        ----------
+        band
+            Its name, one of `band_names`.
+
+        Returns
+        -------
+        str
+            One of the names of `heads`.
+
+        Raises
+        ------
+        ModelError
+            For a name that no band has.
+
+        """
         for head in self.heads:
             if band in head.bands:
                 return head.name

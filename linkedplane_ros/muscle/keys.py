@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The keys of a model file: what the reader knows, the JSON Schema and the documentation say."""
+"""The keys that a model file is checked against, by the reader and by the JSON Schema.
+
+The table of the documentation comes from them, too.
+"""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def check_names(field: str, names: Sequence[str], owner: str = '') -> None:
 
 
 def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
-    """Refuse names that repeat, and what is no name."""
+    """Refuse names that repeat, and what is not a name."""
     names = list(names)
     wrong = [name for name in names if not isinstance(name, str)]
     if wrong:

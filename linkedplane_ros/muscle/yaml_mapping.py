@@ -40,7 +40,7 @@ def read_text(path: Path) -> str:
 
 
 def parse_yaml(file: str, text: str) -> YamlMapping:
-    """Return the content of a file; ModelError if it is no YAML, or no mapping."""
+    """Return the content of a file; ModelError if it is not YAML, or not a mapping."""
     try:
         content = yaml.load(text, UniqueKeyLoader)
     except (yaml.YAMLError, ValueError, RecursionError) as error:

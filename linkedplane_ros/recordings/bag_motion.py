@@ -105,7 +105,7 @@ class BagMotion:
     """
 
     def __init__(self, path: Path, frame_reader: FrameReader) -> None:
-        """Read what the bag says of itself; its messages are read by `chunks`."""
+        """Read what the bag says about itself; its messages are read by `chunks`."""
         self.path: Path = path
         self.refused: Refusals = Refusals()
         self.frame_reader = frame_reader
@@ -131,7 +131,7 @@ class BagMotion:
         Raises
         ------
         RecordingError
-            If the bag has no such topic, or several and none is chosen.
+            If the bag has no such topic, or several of which none was chosen.
         """
         with closing(open_bag(path)) as reader:
             topics = {(each.topic, each.msgtype) for each in reader.connections}
@@ -168,8 +168,8 @@ class BagMotion:
                 if missing:
                     held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
                     raise RecordingError(
-                        f'{path}: {missing[0]} is no topic of {" or ".join(POSE_TYPES)}, and there '
-                        f'is no /tf with frames; in it: {held or "nothing"}'
+                        f'{path}: {missing[0]} is not a topic of {" or ".join(POSE_TYPES)}, and '
+                        f'there is no /tf with frames; in it: {held or "nothing"}'
                     )
         return BagMotion(path, PoseFrameReader(bones, convention, side))
 

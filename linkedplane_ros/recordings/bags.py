@@ -134,7 +134,7 @@ def choose_joint_topic(
     Raises
     ------
     RecordingError
-        If the bag has no such topic, or several and none is chosen.
+        If the bag has no such topic, or several of which none was chosen.
     """
     topics = set(topics)
     held = {name for name, kind in topics if kind == JOINT_STATE}

@@ -4,7 +4,7 @@
 The straight line and via points (thesis ch. 3), and the four obstacle sets of Garner and Pandy
 (The Obstacle-Set Method for Representing Muscle Paths in Musculoskeletal Models, Comput. Methods
 Biomech. Biomed. Eng. 3, 2000, 1-30): single sphere, single cylinder, double cylinder and
-sphere-capped cylinder. Every one is a function of the pose alone, and its moment vector is exact.
+sphere-capped cylinder. Each depends only on the pose, and its moment vector is exact.
 """
 
 from .bands import Bands, BandState, BandStates, PathModel, PathState

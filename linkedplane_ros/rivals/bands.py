@@ -63,7 +63,24 @@ class PathModel:
         return ((field.name, getattr(self, field.name)) for field in fields(self))
 
     def solve(self, rotation: npt.ArrayLike) -> PathState:
-        """Solve one pose, as `Bands.solve`."""
+        """Solve one pose.
+
+        Parameters
+        ----------
+        rotation
+            (3, 3) humerus -> scapula.
+
+        Returns
+        -------
+        PathState
+            Length in m, moment vector (3,) in m about the scapula axes, wrap state.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but a proper, finite rotation.
+
+        """
         return Bands((self,)).solve(rotation)[0]
 
 
@@ -84,7 +101,24 @@ class PathState:
     """(3, 3) humerus -> scapula, as it was given."""
 
     def path(self, points: int = 16) -> Floats:
-        """Return the path as a polyline (k, 3), m, scapula frame: origin, arcs, insertion."""
+        """Return the path as a polyline.
+
+        Parameters
+        ----------
+        points
+            How many on an arc, at least 2; a via point is one.
+
+        Returns
+        -------
+        Floats
+            (k, 3) m, scapula frame: origin, points on the arcs, insertion.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For fewer than 2 points.
+
+        """
         return Bands((self.model,)).solve(self.rotation).paths(points)[0]
 
 
@@ -118,7 +152,24 @@ class BandState:
         return len(self.lengths)
 
     def paths(self, points: int = 16) -> list[Floats]:
-        """Return each band's path as a polyline: n arrays (k, 3), m, scapula frame."""
+        """Return each band's path as a polyline.
+
+        Parameters
+        ----------
+        points
+            How many on an arc, at least 2; a via point is one.
+
+        Returns
+        -------
+        list of Floats
+            n arrays (k, 3), m, scapula frame: origin, points on the arcs, insertion.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For fewer than 2 points.
+
+        """
         lines, counts = self.bands.lines(self.rotation[np.newaxis], points)
         return [line[:count] for line, count in zip(lines[0], counts[0].tolist(), strict=True)]
 
@@ -128,10 +179,15 @@ class BandStates:
     """n bands at m poses: the fields of BandState with a leading m."""
 
     lengths: Floats
+    """(m, n) m"""
     moment_vectors: Floats
+    """(m, n, 3) -dL/domega about the scapula axes, m."""
     wrap: Bytes
+    """(m, n) WrapState."""
     contacts: Bytes
+    """(m, n) as in PathState."""
     rotation: Floats
+    """(m, 3, 3) humerus -> scapula, as they were given."""
     bands: Bands
 
     def __len__(self) -> int:
@@ -172,6 +228,11 @@ class Bands:
         rotation
             (3, 3) humerus -> scapula.
 
+        Returns
+        -------
+        BandState
+            Lengths (n,) in m, moment vectors (n, 3) in m about the scapula axes, wrap states.
+
         Raises
         ------
         LinkedPlaneError
@@ -183,7 +244,24 @@ class Bands:
         return BandState(lengths[0], moments[0], wrap[0], contacts[0], matrix, self)
 
     def solve_batch(self, rotations: npt.ArrayLike) -> BandStates:
-        """Solve m poses, (m, 3, 3); each answer is, to the bit, that of `solve`. m may be 0."""
+        """Solve many poses; each answer is, to the bit, that of `solve`.
+
+        Parameters
+        ----------
+        rotations
+            (m, 3, 3) humerus -> scapula; m may be 0.
+
+        Returns
+        -------
+        BandStates
+            The fields of BandState with a leading m.
+
+        Raises
+        ------
+        LinkedPlaneError
+            As `solve`, for the first pose that has no answer.
+
+        """
         matrices = as_matrices(rotations)
         return BandStates(*self._solve(matrices, 'rotations[{}]'), matrices, self)
 
@@ -213,8 +291,15 @@ class Bands:
 
         Returns
         -------
-        Polylines (m, n, k, 3), m, scapula frame, and their sizes (m, n): a polyline that is shorter
-        than k stays at its insertion.
+        lines : Floats
+            (m, n, k, 3) m, scapula frame; a polyline with fewer points stays at its insertion.
+        counts : NDArray
+            (m, n) how many points each polyline has.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For fewer than 2 points, and for anything but proper rotations.
 
         """
         if points < 2:

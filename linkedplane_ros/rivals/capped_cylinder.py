@@ -198,7 +198,7 @@ def stub_moment(stub: Tube, P: Vector, t1: Vector, S: Vector, t2: Vector) -> Vec
 
 @compiled
 def on_the_cap(stub: Tube, P: Vector, S: Vector) -> ObstaclePath:
-    """Return the band round the cap alone; MISSED and endless if it leaves the cap."""
+    """Return the band around only the cap; MISSED and endless if it leaves the cap."""
     cap = round_sphere(P, S, stub.C, stub.R, stub.on_humerus)
     low = min(height(stub, cap.first.start), height(stub, on_arc(cap.first, 1.0)))
     if cap.state == WRAPPED and low >= -AT_SURFACE * stub.R:
@@ -255,7 +255,7 @@ class CappedCylinder(RoundAnAxis):
     Its centre is the cap's, its axis leads from the cylinder to the cap.
 
     WRAPPED (contacts: 1 the cap, 2 the cylinder, 3 both); CLEAR: the line passes it, on either
-    side; MISSED: there is no path on the side that is asked for; INSIDE where an end lies in it.
+    side; MISSED: there is no path on the side asked for; INSIDE where an end lies in it.
     """
 
     turn: Turn = 'right-handed'

@@ -29,7 +29,7 @@ CallName = TypeVar('CallName')
 
 @dataclass(frozen=True)
 class Cost:
-    """Time for all bands of a muscle at one pose, s; the best of many, for noise only adds."""
+    """Time for all bands of a muscle at one pose, s; the best of many, as noise only adds."""
 
     method: str
     one_call: float
@@ -71,7 +71,8 @@ def best_times(
 
     Returns
     -------
-    s a call, by name.
+    dict
+        s a call, by name.
 
     """
     counts = {}

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The single cylinder (Garner and Pandy 2000): a band right-handed about the axis, on a helix.
 
-A cylinder has no ends here. Across the axis the band is a plane one round a circle; unrolled, it is
-one straight line, so the rise along the axis is shared out by length. Which side the band takes is
-the axis's: from origin to insertion it turns right-handed about the axis. A line that passes
-on the wrong side, even with the cylinder beyond one of its ends, is hooked round it as long as the
-turn is less than half a circle; from there on Garner and Pandy take the band for straight, and its
-length jumps: MISSED here.
+A cylinder has no ends here. Seen along the axis, the band runs around a circle; unrolled, it is one
+straight line, so it rises along the axis in proportion to its length. The axis decides on which
+side the band passes: from origin to insertion it turns right-handed about the axis. A band whose
+line passes on the other side, even with the cylinder beyond one of its ends, is pulled around the
+cylinder as long as it turns by less than half a circle. Beyond that, Garner and Pandy treat the
+band as straight, and its length jumps: MISSED here.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def touching(p: Vector, w: Vector, R: float, side: float) -> tuple[Vector, float
     """Return the unit vector to where a tangent from p touches the circle, and its length.
 
     p is across the axis w. Seen against w the point lies counter-clockwise of p for a side of 1,
-    clockwise for -1. A p within the circle is taken for the point above it on the circle.
+    clockwise for -1. A p within the circle counts as the point above it on the circle.
     """
     pp = dot(p, p)
     t = sqrt(max(pp - R * R, 0.0))

@@ -3,9 +3,9 @@
 
 The band turns right-handed about each axis, and touches both, one or none. The first cylinder is
 wrapped by the path to where the second is met, the second by the path from where the first is left;
-these two points are found in turn. Each step shortens the band, so they settle; as each point only
-moves the other along one line, the steps come to shrink by one factor, and the rest of them is
-summed at once.
+these two points are found in turn. Each step shortens the band, so they settle. Each point moves
+the other only along one line, so the steps soon shrink by a constant factor, and the sum of all
+that remain is added at once.
 """
 
 from __future__ import annotations

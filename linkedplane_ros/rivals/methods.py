@@ -6,10 +6,10 @@ by two rules that favour no method. *Own* obstacles reproduce the linked planes'
 at the side, as Garner and Pandy fit theirs to a path known at one pose: from the plane, the circle
 and the transition points Q and T of each band come its sphere, cylinder, double cylinder and via
 points, and with the arm at the side all but the double cylinder give the very path of the linked
-planes. *Bone* obstacles are the humeral head alone, as thesis Table 5.1 has it, or with the shaft
+planes. *Bone* obstacles are only the humeral head, as thesis Table 5.1 has it, or with the shaft
 (the sphere and cylinder that Marsden, Swailes and Johnson 2008 wrap an element of the deltoid on).
-A cylinder alone along the shaft would hold three origins that lie above the head (anterior_2 to
-middle_1) with the arm at the side.
+A cylinder along the shaft, without the head, would hold three origins that lie above the head
+(anterior_2 to middle_1) with the arm at the side.
 """
 
 from __future__ import annotations

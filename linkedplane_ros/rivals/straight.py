@@ -27,7 +27,7 @@ from .path import (
 
 @compiled
 def straight(row: BandRow, rotation: Rotation) -> ObstaclePath:
-    """Return the path of a band of P and S alone."""
+    """Return the path of a band that has only P and S."""
     P, S = ends(row, rotation)
     return straight_path(P, S, CLEAR)
 

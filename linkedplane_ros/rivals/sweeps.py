@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motions to measure a muscle over: sweeps of poses, dense enough to miss nothing."""
+"""Motions to measure a muscle over: sweeps of poses, so close together that nothing is missed."""
 
 from __future__ import annotations
 

@@ -21,9 +21,11 @@ def depths(state: MuscleState) -> tuple[Floats, Floats]:
 
     Returns
     -------
-    Depths (n, k), m: the sphere's radius less the distance of the path from its centre; negative is
-    the distance to the sphere. Places (n, k, 3), m, scapula frame: the points of the paths that are
-    closest to the centres.
+    depths : Floats
+        (n, k) m: the sphere's radius less the distance of the path from its centre; negative: the
+        distance to the sphere.
+    places : Floats
+        (n, k, 3) m, scapula frame: the points of the paths that are closest to the centres.
 
     """
     muscle = state.solver.muscle

@@ -34,7 +34,7 @@ NO_FRAME_REASON = ', or its sphere has no frame: HM lies in line with its origin
 
 
 class LinkedPlaneSolver:
-    """Solves a broad muscle at a pose; the answer is a function of the pose alone.
+    """Solves a broad muscle at a pose; the answer depends only on the pose.
 
     Where numba is installed the first one compiles the solver, or loads it from numba's cache.
 
@@ -49,7 +49,8 @@ class LinkedPlaneSolver:
     Raises
     ------
     LinkedPlaneError
-        For another side, and for a muscle that has no plane with the arm at the side.
+        For anything but a BroadMuscle, for another side, and for a muscle that has no plane with
+        the arm at the side.
 
     """
 
@@ -92,6 +93,11 @@ class LinkedPlaneSolver:
         rotation
             (3, 3) humerus -> scapula, right-shoulder form.
 
+        Returns
+        -------
+        MuscleState
+            Lengths in m, moment vectors in m about the scapula axes, theta in rad, wrap states.
+
         Raises
         ------
         LinkedPlaneError
@@ -111,6 +117,11 @@ class LinkedPlaneSolver:
         rotations
             (m, 3, 3) humerus -> scapula, right-shoulder form; m may be 0.
 
+        Returns
+        -------
+        MuscleStates
+            The fields of MuscleState with a leading m.
+
         Raises
         ------
         LinkedPlaneError
@@ -123,7 +134,7 @@ class LinkedPlaneSolver:
     def answer(
         self, convention: JointConvention, angles: npt.ArrayLike, speeds: npt.ArrayLike
     ) -> Answer:
-        """Return all that a stream of angles is answered with, in one call.
+        """Return the state, moment arms and lengthening at three angles and speeds, in one call.
 
         To rounding the same as `convention.rotation_and_axes`, `solve` and their products.
 
@@ -136,10 +147,16 @@ class LinkedPlaneSolver:
         speeds
             (3,) rad/s, of the angles.
 
+        Returns
+        -------
+        Answer
+            The state, moment arms (n, 3) in m, lengthening (n,) in m/s, and axes (3, 3).
+
         Raises
         ------
         LinkedPlaneError
-            For anything but three finite numbers, and where a band's plane is undefined.
+            For anything but a JointConvention and three finite numbers each, and where a band's
+            plane is undefined.
 
         """
         if not isinstance(convention, JointConvention):
@@ -208,8 +225,17 @@ class LinkedPlaneSolver:
 
         Returns
         -------
-        Insertions (n, 3), sphere centres (n, 3) and arcs (n, points, 3): m, scapula frame. The arcs
-        of bands that are not wrapped are zero.
+        insertions : Floats
+            (n, 3) m, scapula frame.
+        centres : Floats
+            (n, 3) m, of the obstacle spheres, scapula frame.
+        arcs : Floats
+            (n, points, 3) m, scapula frame; zero for bands that are not wrapped.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For fewer than 2 points.
 
         """
         if points < 2:
@@ -225,7 +251,19 @@ class LinkedPlaneSolver:
         return (insertions, centres, arcs) if poses else (insertions[0], centres[0], arcs[0])
 
     def to_side(self, points: Floats) -> Floats:
-        """Return points (..., 3) of the right scapula as this side's: m, its scapula frame."""
+        """Return points of the right scapula as those of this side.
+
+        Parameters
+        ----------
+        points
+            (..., 3) m, scapula frame of the right shoulder.
+
+        Returns
+        -------
+        Floats
+            (..., 3) m, scapula frame of this side: mirrored, x -> -x, for the left one.
+
+        """
         return mirror_points(points) if self.side == 'left' else points
 
 

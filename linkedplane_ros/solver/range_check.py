@@ -209,7 +209,7 @@ def worst_cases(
     amounts
         (m, n) how bad it is; the largest of a band is reported.
     limit
-        What is no trouble yet.
+        The largest amount that is not reported.
     text
         What is wrong, with a place for the amount.
     where

@@ -107,7 +107,19 @@ class MuscleState(_Drawn):
         return float(self.lengths.sum())
 
     def to_scapula(self, points: Floats) -> Floats:
-        """Return points (..., 3) of the right humerus, m, at this pose: m, scapula frame."""
+        """Return points of the humerus where they are at this pose.
+
+        Parameters
+        ----------
+        points
+            (..., 3) m, humerus frame of the right shoulder.
+
+        Returns
+        -------
+        Floats
+            (..., 3) m, scapula frame of the solver's side.
+
+        """
         return self.solver.to_side(points @ self.rotation.T)
 
     def paths(self, points: int = 16) -> list[Floats]:
@@ -120,8 +132,9 @@ class MuscleState(_Drawn):
 
         Returns
         -------
-        n arrays (k, 3), m, scapula frame. A wrapped band is its origin, the points of its arc, and
-        its insertion; a straight one its origin and insertion.
+        list of Floats
+            n arrays (k, 3), m, scapula frame. A wrapped band is its origin, the points of its arc,
+            and its insertion; a straight one its origin and insertion.
 
         Raises
         ------
@@ -164,7 +177,24 @@ class MuscleStates(_Drawn):
         return np.asarray(self.lengths.sum(axis=1))
 
     def paths(self, points: int = 16) -> list[list[Floats]]:
-        """Return, for each pose, each band's path as in `MuscleState.paths`."""
+        """Return each band's path at each pose as a polyline.
+
+        Parameters
+        ----------
+        points
+            How many on an arc, as for `MuscleState.paths`; at least 2.
+
+        Returns
+        -------
+        list of lists of Floats
+            For each of the m poses, n arrays (k, 3), m, scapula frame, as from `MuscleState.paths`.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For fewer than 2 points.
+
+        """
         insertions, _, arcs = self.solver.draw_bands(self, points)
         origins = self.solver.origins
         return [

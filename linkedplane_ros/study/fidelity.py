@@ -94,7 +94,7 @@ def arm_deviations(
     experiments
         What was simulated.
     reading
-        What the measured angle is taken for.
+        What the measured angle is assumed to be.
     name
         Of the model.
     cubic

@@ -76,14 +76,14 @@ def check_folder(folder: Path, force: bool) -> None:
         raise RecordingError(f'{folder}: a file; a folder expected')
     report = folder / REPORT
     if not (report.is_file() and report.read_bytes().startswith(TITLE.encode())):
-        raise RecordingError(f'{folder}: not empty and no study; only a study is replaced')
+        raise RecordingError(f'{folder}: not empty and not a study; only a study is replaced')
     if not force:
         raise RecordingError(f'{folder}: holds a study; --force to replace it')
     ours = {path for pattern in PATTERNS for path in folder.glob(pattern)}
     others = (path for path in folder.rglob('*') if path not in ours)
     foreign = next((each for each in others if not (each.is_dir() and each.name in FOLDERS)), None)
     if foreign is not None:
-        raise RecordingError(f'{foreign}: is no file of the study in this folder; move it away')
+        raise RecordingError(f'{foreign}: is not a file of the study in this folder; move it away')
 
 
 @contextmanager

@@ -28,7 +28,7 @@ TWO_THIRDS = 2.0 / 3.0  # of an angle to the thorax is glenohumeral
 
 
 def criterion(muscle: BroadMuscle, scale: float = TWO_THIRDS) -> Criterion:
-    """Return the criterion for the measured moment arms alone, to 110 deg by tens."""
+    """Return the criterion for only the measured moment arms, to 110 deg by tens."""
     data = read_data(LITERATURE / 'ackland2008_deltoid_fit.csv', muscle, angle_scale=scale)
     weights = Weights(length=0.0, interference=0.0)
     return Criterion.from_data(muscle, build_space(muscle.definition), data, weights)

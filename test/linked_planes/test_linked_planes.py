@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The chain of planes and theta: the least total length, a function of the pose alone."""
+"""The chain of planes and theta: the least total length, which depends only on the pose."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The packages import in the way of the data alone; a wrong import on purpose is found."""
+"""The packages import only in the way of the data; a wrong import on purpose is found."""
 
 from __future__ import annotations
 

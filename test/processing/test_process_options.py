@@ -84,7 +84,7 @@ def test_a_bag_is_replaced_by_a_bag_with_force(tmp_path: Path) -> None:
         (('--offsets', 'nan', '0', '0'), 'finite numbers expected'),
         (('--rate', '1e13'), 'in: '),
         (('--humerus', '', '--thorax', 'b'), 'a name expected'),
-        (('--humerus', '/h', '--scapula', '/s'), '/h is no topic of'),
+        (('--humerus', '/h', '--scapula', '/s'), '/h is not a topic of'),
         (('--rhythm', '2'), '--thorax'),
         (('--topic', '/other'), 'on /other'),
     ],

@@ -31,7 +31,7 @@ def study(coarse: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Write text and tables alone, for tests that do not look at the pictures."""
+    """Write only text and tables, for tests that do not look at the pictures."""
     monkeypatch.setattr(report, 'CHAPTERS', report.CHAPTERS[2:4])
     monkeypatch.setattr(charts, 'depths_figure', lambda readings: empty_figure())
     monkeypatch.setattr(charts, 'fidelity_figure', lambda subject: empty_figure())

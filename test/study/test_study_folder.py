@@ -26,7 +26,7 @@ def test_a_folder_with_anything_in_it_is_left_alone(
     (tmp_path / 'notes.txt').write_text('mine')
     for options in ((), ('--force',)):
         line = command_fault(capsys, 'study', tmp_path, *options)
-        assert f'{tmp_path}: not empty and no study; only a study is replaced' in line
+        assert f'{tmp_path}: not empty and not a study; only a study is replaced' in line
     assert [path.name for path in tmp_path.iterdir()] == ['notes.txt']
 
 
@@ -43,7 +43,7 @@ def test_a_study_is_replaced_only_by_force_and_only_if_nothing_else_is_in_it(
     assert (out / 'report.md').read_text() != before
     capsys.readouterr()
     (out / 'figures' / 'mine.svg').write_text('mine')
-    assert 'mine.svg: is no file of the study' in command_fault(capsys, 'study', out, '--force')
+    assert 'mine.svg: is not a file of the study' in command_fault(capsys, 'study', out, '--force')
     assert (out / 'figures' / 'mine.svg').read_text() == 'mine'
     assert [path.name for path in tmp_path.iterdir()] == ['out']
 

@@ -70,12 +70,12 @@ def check_parameters(values: Mapping[str, str]) -> dict[str, Value]:
     for spec in PARAMETERS:
         text = values.get(spec.name, '')
         if text:
-            value = spec.check(parse_yaml(spec.name, text))
+            value = spec.check(parse_argument(spec.name, text))
             checked[spec.name] = spec.default if value == [] else value
     return checked
 
 
-def parse_yaml(name: str, text: str) -> Any:
+def parse_argument(name: str, text: str) -> Any:
     """Return the value of an argument."""
     try:
         return yaml.safe_load(text)

@@ -16,10 +16,10 @@ from launch.actions import ExecuteProcess
 from ...errors import LinkedPlaneError, RecordingError
 from ...recordings.bags import JOINT_STATE, choose_joint_topic, list_topics
 from ..parameters import is_finite_number
-from .arguments import parse_yaml
+from .arguments import parse_argument
 
 
-def play_recording(
+def player_actions(
     values: Mapping[str, str], wanted: Collection[str], clock: bool
 ) -> list[ExecuteProcess]:
     """Return the action that plays the recording of the arguments; none if there is none.
@@ -42,7 +42,7 @@ def play_recording(
     if not values['bag']:
         return []
     bag = Path(values['bag']).expanduser()
-    delay = parse_yaml('delay', values['delay'])
+    delay = parse_argument('delay', values['delay'])
     if not is_finite_number(delay) or delay < 0.0:
         raise LinkedPlaneError(f'delay: {values["delay"]} given, seconds from 0 expected')
     rules = remap_joint_states(bag, values['bag_topic'], set(wanted))

@@ -220,7 +220,7 @@ def _verdict_text(subject: Subject, ours: Ours) -> str:
         its 8 mm, but hides the posterior one in flexion ({off('posterior', 'flexion', lengths)}).
 
         **Of the published models** MyoArm's DELT2 is known to be off, and MoBL's anterior arm has a
-        spike of 28 mm at 70 deg of flexion: their means are no measure of care.
+        spike of 28 mm at 70 deg of flexion: their means do not measure the care taken.
 
         **Halving** the moment arms takes the mean deviation from {whole} to {half}: it helps in the
         one reading and harms in the other. This measurement does not show whether it is

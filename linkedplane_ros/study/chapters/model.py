@@ -80,7 +80,7 @@ def _printed_parts(subject: Subject) -> list[Part]:
     return [
         """
         The thesis prints the attachments. Here they are, from its polynomials, beside what it
-        prints: they agree to 1e-5 mm but for the rows marked.
+        prints: they agree to 1e-5 mm except in the rows marked.
         """,
         _position_table(subject, '6.2.1', 'origins, scapula frame'),
         _position_table(subject, '6.2.2', 'insertions, humerus frame'),

@@ -88,7 +88,7 @@ Part = str | TablePart | PicturePart | AnimationPart
 
 @dataclass(frozen=True)
 class Chapter:
-    """A section of the report."""
+    """A titled part of the report."""
 
     title: str
     parts: Sequence[Part]

@@ -28,7 +28,7 @@ INTRODUCTION = """
     quickly round them, that they ignore each other, and that linked planes keep adjacent bands
     together (ch. 1, 3 and 7). Here each is a path model of its own, on the same attachments.
     **Nobody has published obstacles of the rivals for this muscle**: two rules choose them here
-    (below), and other ones would do otherwise. What is measured is defined in
+    (below), and others would give other results. What is measured is defined in
     `linkedplane_ros/rivals/breadth.py`: *move*, the farthest that the middle of a band moves from a
     pose to the next, 0.5 deg on; *slip*, how fast it moves as the joint turns, all but the fastest
     hundredth; *jumps* of a length or a moment vector; *spacing* of neighbours at a quarter, half
@@ -40,7 +40,7 @@ INTRODUCTION = """
 
 
 VERDICT = """
-    In short: that independent bands *jump* and let *gaps* open wider is borne out by the cylinders,
+    In short: that independent bands *jump* and let *gaps* open wider is confirmed by the cylinders,
     the double cylinder and, in its moment arms, the sphere-capped cylinder, not by all; that they
     *slip* faster is true of bands round spheres and caps, not of straight lines, via points or
     cylinders; linked bands *cross*, too, away from the thesis's own motions; and linked planes do

@@ -2,7 +2,7 @@
 """Solids, bands and planes seen from one side: parallel projection, far before near, equal scale.
 
 matplotlib's own 3-D axes sort whole objects by depth; here every small piece is sorted, so that a
-band that goes round or through a sphere is seen to do so. Scapula frame of the right shoulder, m.
+band that goes around or through a sphere looks so. Scapula frame of the right shoulder, m.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ class Recent:
 class CoordinateCurve:
     """The newest row of numbers at each step of a coordinate: a curve.
 
-    The muscle's state depends on the pose alone, so each step has one value while the other
+    The muscle's state depends only on the pose, so each step has one value while the other
     coordinates rest.
     """
 
