@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 import pytest
+from unhurried import PATIENCE
 
 TOP = Path(__file__).parents[1]
-PATIENCE = 90.0  # s: the longest that anything is waited for; nothing is asserted about time
 NAME = 'linkedplane_ros'
 RUN = """
 import sys

@@ -21,9 +21,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from optional import requires
 from rclpy.node import Node
-from ros_harness import PATIENCE, NodeProcess, Peer
+from ros_harness import NodeProcess, Peer
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
+from unhurried import PATIENCE
 from visualization_msgs.msg import MarkerArray
 
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher

@@ -66,10 +66,16 @@ def peer_of(topic: str, namespace: str = '') -> Iterator[Peer]:
         peer.destroy_node()
 
 
-def answer(namespace: str, topic: str = 'joint_states', names: Sequence[str] = NAMES) -> JointState:
-    """Return what the node in a namespace answers, by its bands, to a joint state on a topic."""
-    with peer_of(join(namespace, topic), namespace.rstrip('/')) as peer:
-        assert peer.until(lambda: bool(peer.send(names, POSE) and peer.got['band_states']))
+def answer(launch: Launch, namespace: str, names: Sequence[str] = NAMES) -> JointState:
+    """Return what the node in a namespace answers, by its bands, to a joint state."""
+    with peer_of(join(namespace, 'joint_states'), namespace.rstrip('/')) as peer:
+
+        def answered() -> bool:
+            peer.send(names, POSE)
+            return bool(peer.got['band_states']) or launch.process.poll() is not None
+
+        peer.until(answered)
+        assert peer.got['band_states'], launch.text
         return peer.got['band_states'][0]
 
 
@@ -99,7 +105,7 @@ def test_one_shoulder_starts_answers_and_stops(
     start: Callable[..., Launch], ros: None, namespace: str
 ) -> None:
     launch = start('deltoid.launch.py', f'namespace:={namespace}', 'frame_id:=blade')
-    assert answer(f'/{namespace.strip("/")}').header.frame_id == 'blade'
+    assert answer(launch, f'/{namespace.strip("/")}').header.frame_id == 'blade'
     stops_by_interrupt(launch, 1)
 
 
@@ -109,8 +115,8 @@ def test_both_shoulders_start_answer_and_stop(
     params_file = tmp_path / 'params.yaml'
     params_file.write_text(PARAMETERS)
     launch = start('both_shoulders.launch.py', 'parent_frame:=', f'params_file:={params_file}')
-    assert answer('/left', names='abc').header.frame_id == 'left_scapula'
-    assert answer('/right', names='pqr').header.frame_id == 'right_scapula'
+    assert answer(launch, '/left', names='abc').header.frame_id == 'left_scapula'
+    assert answer(launch, '/right', names='pqr').header.frame_id == 'right_scapula'
     stops_by_interrupt(launch, 2)
 
 
@@ -118,7 +124,7 @@ def test_both_shoulders_start_answer_and_stop(
 def test_both_shoulders_hang_on_the_torso(start: Callable[..., Launch], ros: None) -> None:
     launch = start('both_shoulders.launch.py')
     for side in ('/left', '/right'):
-        answer(side)
+        answer(launch, side)
     stops_by_interrupt(launch, 2)
 
 
