@@ -6,6 +6,7 @@ from __future__ import annotations
 import fcntl
 import os
 import re
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -61,11 +62,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 # Before any test module imports rclpy:
 DOMAIN, DOMAIN_LOCK = own_domain()
+os.set_inheritable(DOMAIN_LOCK.fileno(), True)  # a node that outlives its test keeps the domain
 LOGS = tempfile.TemporaryDirectory(prefix='linkedplane_ros_log_')
 os.environ['ROS_DOMAIN_ID'] = str(DOMAIN)
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_LOG_DIR'] = LOGS.name
+
+
+@pytest.fixture(autouse=True)
+def no_node_outlives_its_test() -> Iterator[None]:
+    """End what a failed test has left: it would answer the tests that follow."""
+    yield
+    if 'ros_harness' in sys.modules:
+        sys.modules['ros_harness'].end_what_is_left()
 
 
 @pytest.fixture(scope='module')

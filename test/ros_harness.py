@@ -28,7 +28,20 @@ from linkedplane_ros.node.topics import OUTPUTS
 
 TOPICS = {topic.name: message_class(topic.type) for topic in OUTPUTS}
 DEEP = QoSProfile(depth=20000)
+TURN = 100  # messages: some take longer to read than the next one takes to come
 ANSWERS = tuple(topic for topic in TOPICS if topic != 'markers')
+
+
+LEFT: list[subprocess.Popen[bytes]] = []  # started by the test that runs
+
+
+def end_what_is_left() -> None:
+    """End every process that a test has started and not stopped."""
+    for process in LEFT:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+    LEFT.clear()
 
 
 class NodeProcess:
@@ -46,13 +59,21 @@ class NodeProcess:
         self.log = log
         compiled = {key: v for key, v in os.environ.items() if key != 'LINKEDPLANE_COMPILE'}
         with log.open('wb') as out:
-            self.process = subprocess.Popen(command, stdout=out, stderr=out, env=compiled)
+            # what is open for children is the lock of the ROS domain
+            self.process = subprocess.Popen(
+                command, stdout=out, stderr=out, env=compiled, close_fds=False
+            )
+        LEFT.append(self.process)
 
     def stop(self, how: signal.Signals = signal.SIGINT) -> int:
         """End it and return its exit status."""
         if self.process.poll() is None:
             self.process.send_signal(how)
         return self.process.wait(PATIENCE)
+
+    def outlive_test(self) -> None:
+        """Live on when the test ends; who keeps it stops it."""
+        LEFT.remove(self.process)
 
     def __enter__(self) -> NodeProcess:
         """Run."""
@@ -97,9 +118,12 @@ class Reader(Node):
         return True
 
     def _take_the_rest(self) -> None:
-        """Read all that has come: an executor reads one message a turn, too slow for a stream."""
+        """Read what has come: an executor reads one message a turn, too slow for a stream."""
         for reader in self.readers:
-            while (taken := reader.handle.take_message(reader.msg_type, reader.raw)) is not None:
+            for _ in range(TURN):
+                taken = reader.handle.take_message(reader.msg_type, reader.raw)
+                if taken is None:
+                    break
                 reader.callback(taken[0])
 
 

@@ -53,15 +53,11 @@ def test_a_reader_gets_from_a_scan_to_a_running_node(folder: Path, ros: None) ->
         assert ' '.join(words[1:5]) == 'run linkedplane_ros muscle_state_publisher --ros-args'
         parameters = dict(word.split(':=') for word in words[6::2])
         peer = Peer('my_muscle')
-        process = NodeProcess(folder / 'node.log', **parameters)
-        try:
+        with NodeProcess(folder / 'node.log', **parameters) as process:
             peer.connect(process)
             peer.send(message['name'], message['position'])
             assert peer.answers(1)
-        finally:
-            status = process.stop()
-            peer.destroy_node()
-        assert status == 0, process.text
+        peer.destroy_node()
         state = LinkedPlaneSolver(expected).solve(THESIS.rotation(angles))
         lengths = peer.got['band_states'][0].position
         np.testing.assert_allclose(lengths, state.lengths, rtol=0.0, atol=1e-12)

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 from browser import wait_until
-from ros_harness import NodeProcess, Peer, together
+from ros_harness import Peer, together
 from viewer_stage import MISSING, Stage, all_lines_are_seen, state_at
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
@@ -122,7 +122,7 @@ def test_a_second_browser_and_one_that_comes_back_see_the_same(stage: Stage) -> 
 def test_a_node_that_dies_and_comes_back_is_moved_again(stage: Stage) -> None:
     stage.node.stop(signal.SIGKILL)
     assert wait_until(lambda: stage.page.page.get_by_text('the node does not answer').count() > 0)
-    stage.node = NodeProcess(stage.folder / 'again.log', **{'markers.rate': 0.0})
+    stage.start_node(stage.folder / 'again.log')
     stage.page.move_slider(1, 20.0)
     assert stage.shows(state_at(stage.page.slider_angles()))
     assert wait_until(lambda: stage.page.page.get_by_text('the node does not answer').count() == 0)

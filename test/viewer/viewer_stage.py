@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from browser import CHROMIUM, WINDOW, Page, wait_until
 from optional import is_installed
-from ros_harness import NodeProcess
+from ros_harness import LEFT, NodeProcess
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, MuscleState
 from linkedplane_ros.libraries import advise_install
@@ -40,6 +40,7 @@ class ViewerProcess(NodeProcess):
         command = [sys.executable, '-m', 'linkedplane_ros.viewer', '--port', '0', *arguments]
         with log.open('wb') as out:
             self.process = subprocess.Popen(command, stdout=out, stderr=out)
+        LEFT.append(self.process)
         assert wait_until(lambda: 'open http' in self.text or self.process.poll() is not None)
         found = re.search(r'open (http\S+)', self.text)
         assert found, self.text
@@ -52,10 +53,15 @@ class Stage:
     def __init__(self, folder: Path, chromium: Any) -> None:
         self.folder = folder
         self.chromium = chromium
-        self.node = NodeProcess(folder / 'node.log', **{'markers.rate': 0.0})
+        self.start_node(folder / 'node.log')
         self.viewer = ViewerProcess(folder / 'viewer.log')
+        self.viewer.outlive_test()
         self.page = self.open()
         assert wait_until(lambda: len(self.page.lines()) > 0), self.viewer.text
+
+    def start_node(self, log: Path) -> None:
+        self.node = NodeProcess(log, **{'markers.rate': 0.0})
+        self.node.outlive_test()
 
     def open(self, dpr: float = 0.3) -> Page:
         return Page(self.chromium.new_page(viewport=WINDOW), self.viewer.url, dpr)
