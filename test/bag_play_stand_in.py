@@ -10,12 +10,13 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 
-def parse_arguments() -> argparse.Namespace:
+def parse_arguments(words: Sequence[str]) -> argparse.Namespace:
     """Return the arguments, as rosbag2 0.26's ros2bag/verb/play.py declares them."""
-    parser = argparse.ArgumentParser()
+    parser = argparse.ArgumentParser(exit_on_error=False)
     parser.add_argument('command', choices=['bag'])
     parser.add_argument('verb', choices=['play'])
     parser.add_argument('bag_path')
@@ -23,12 +24,13 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument('-m', '--remap', default='', nargs='+')
     parser.add_argument('--clock', type=float, nargs='?', const=40, default=0)
     parser.add_argument('-d', '--delay', type=float, default=0.0)
-    return parser.parse_args()
+    parser.add_argument('--topics', default=[], nargs='+')
+    return parser.parse_args(words)
 
 
 def main() -> None:
     """Publish until interrupted."""
-    arguments = parse_arguments()
+    arguments = parse_arguments(sys.argv[1:])
     Path('bag_play.json').write_text(json.dumps(vars(arguments)))
     from linkedplane_ros.node.environment import prepare
 

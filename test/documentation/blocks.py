@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 import yaml
+from bag_play_stand_in import parse_arguments
 from launch_stand_ins import DeclareLaunchArgument, describe
 from pages import TOP
 from sensor_msgs.msg import JointState
@@ -236,7 +237,9 @@ def ros2(words: list[str]) -> None:
         JointState(**yaml.safe_load(content))
     else:
         assert words[:2] == ['bag', 'play'], shlex.join(words)
-        assert in_clone(words[2]).is_dir()
+        given = parse_arguments(words)
+        assert in_clone(given.bag_path).is_dir() or Path(given.bag_path).is_dir()
+        assert set(given.topics) <= {'/joint_states'}
 
 
 def echo(words: Sequence[str]) -> None:

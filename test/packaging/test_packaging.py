@@ -151,3 +151,22 @@ def test_package_xml_declares_just_the_ros_packages_that_are_imported() -> None:
     imported = set().union(*map(ros_imports, sources))
     started = {'tf2_ros'}  # by a launch file
     assert {name for name in declared('exec_depend') if is_of_ros(name)} == imported | started
+
+
+def test_package_xml_declares_what_launch_files_start_and_pages_call() -> None:
+    sources = [*TOP.glob('launch/*.py'), *SOURCES.glob('node/launching/*.py')]
+    started = {
+        package
+        for source in sources
+        for package in re.findall(r"package='(\w+)'", source.read_text(encoding='utf-8'))
+    }
+    assert started >= {'rviz2', 'tf2_ros'}
+    commands = {
+        f'ros2{command}'
+        for page in (TOP / 'README.md', *TOP.glob('doc/**/*.md'))
+        for line in page.read_text(encoding='utf-8').splitlines()
+        if line.startswith('$ ')
+        for command in re.findall(r'\bros2 ([a-z]+) ', line)
+    }
+    assert commands >= {'ros2bag', 'ros2launch'}
+    assert declared('exec_depend') >= (started | commands) - {'linkedplane_ros'}
