@@ -21,12 +21,12 @@ from .fit_arguments import add_arguments
 from .progress import ProgressBar
 
 if TYPE_CHECKING:
-    from ..fit.checkpoint import Checkpoint
     from ..fit.criterion import Criterion
     from ..fit.files import Files
-    from ..fit.fitting import FitProgress, FitResult, Plan, Search
     from ..fit.measurements import Data
     from ..fit.report import FinishedFit
+    from ..fit.search.checkpoint import Checkpoint
+    from ..fit.search.fitting import FitProgress, FitResult, Plan, Search
     from ..fit.survey import Survey
 
 __all__ = ['add_arguments', 'run']
@@ -36,11 +36,11 @@ COARSE = (40.0, 60.0, 60.0)  # deg, flexion, abduction, rotation: poses that cou
 
 def run(args: argparse.Namespace) -> None:
     """Fit chosen coefficients of a model to measured lengths and moment arms."""
-    from ..fit.checkpoint import Checkpoint
     from ..fit.files import Files
-    from ..fit.fitting import Plan, fit_fingerprint
+    from ..fit.search.checkpoint import Checkpoint
+    from ..fit.search.fitting import Plan, fit_fingerprint
+    from ..fit.search.swarm import require_libraries
     from ..fit.survey import survey_range
-    from ..fit.swarm import require_libraries
 
     require_libraries()
     files = Files(Path(args.out), bool(args.tighten))
@@ -89,10 +89,11 @@ def _build_criterion(
     args: argparse.Namespace, muscle: BroadMuscle
 ) -> tuple[Criterion, np.ndarray | None, Data]:
     """Return the criterion, the poses to watch and the data that the arguments state."""
-    from ..fit.criterion import Criterion, Weights, pose_grid
+    from ..fit.criterion import Criterion, Weights
     from ..fit.data import read_data
     from ..fit.parameters import Bound, build_space
     from ..fit.places import THESIS, free_numbers, matches_place
+    from ..fit.states import pose_grid
     from ..fit.survey import STEPS
 
     step = None if args.every is None else math.radians(args.every)
@@ -171,7 +172,7 @@ def _search(
     state: dict[str, Any] | None,
 ) -> FitResult:
     """Return what the fit finds; show its progress, and keep its state on disk."""
-    from ..fit.fitting import fit
+    from ..fit.search.fitting import fit
 
     total = plan.rounds * plan.generations
     with ProgressBar(total) as bar:

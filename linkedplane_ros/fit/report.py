@@ -15,8 +15,9 @@ from ..errors import LinkedPlaneError
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats
-from .criterion import Criterion, FitStates
+from .criterion import Criterion
 from .measurements import Data
+from .states import FitStates
 from .survey import Survey
 
 AT_BOUND = 1e-3  # of the way between the bounds

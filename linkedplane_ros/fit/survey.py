@@ -15,8 +15,8 @@ from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.range_check import DEFAULT_RANGE
 from ..solver.states import WrapState
 from ..types import Floats, Intervals
-from .criterion import evaluate_poses, fan_side, pose_grid, sphere_array
 from .space import pack_definition
+from .states import evaluate_poses, fan_side, pose_grid, sphere_array
 
 STEPS = (math.radians(10.0), math.radians(10.0), math.radians(10.0))
 RANDOM = 2000  # poses beside the grid's

@@ -14,12 +14,13 @@ from optional import requires
 from random_muscles import random_poses
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.fit.checkpoint import Checkpoint
-from linkedplane_ros.fit.criterion import Criterion, FitStates, Weights
-from linkedplane_ros.fit.fitting import FitProgress, Plan, Search, fit, fit_fingerprint
+from linkedplane_ros.fit.criterion import Criterion, Weights
 from linkedplane_ros.fit.parameters import Bound, build_space
-from linkedplane_ros.fit.polish import polish
-from linkedplane_ros.fit.swarm import Swarm, scatter_particles
+from linkedplane_ros.fit.search.checkpoint import Checkpoint
+from linkedplane_ros.fit.search.fitting import FitProgress, Plan, Search, fit, fit_fingerprint
+from linkedplane_ros.fit.search.polish import polish
+from linkedplane_ros.fit.search.swarm import Swarm, scatter_particles
+from linkedplane_ros.fit.states import FitStates
 
 pytestmark = requires('pymoo')
 DELTOID = BroadMuscle.load('deltoid')

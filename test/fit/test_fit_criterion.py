@@ -15,10 +15,11 @@ from random_muscles import random_poses
 from reference import Array
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, FitStates, Weights, pose_grid
+from linkedplane_ros.fit.criterion import IMPOSSIBLE, Criterion, Weights
 from linkedplane_ros.fit.measurements import Data, Measurement
 from linkedplane_ros.fit.parameters import build_space
 from linkedplane_ros.fit.space import Space
+from linkedplane_ros.fit.states import FitStates, pose_grid
 from linkedplane_ros.solver.states import MuscleState
 
 DELTOID = BroadMuscle.load('deltoid')

@@ -19,7 +19,7 @@ from linkedplane_ros.commands import fit
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.fit.criterion import Criterion
 from linkedplane_ros.fit.data import read_data
-from linkedplane_ros.fit.fitting import Plan
+from linkedplane_ros.fit.search.fitting import Plan
 
 pytestmark = requires('pymoo')
 

@@ -11,7 +11,7 @@ import pytest
 from fits import deepest, numbered_backwards
 
 from linkedplane_ros import BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.fit.criterion import pose_grid
+from linkedplane_ros.fit.states import pose_grid
 from linkedplane_ros.fit.survey import STEPS, survey_range
 from linkedplane_ros.solver.range_check import DEFAULT_RANGE
 

@@ -12,10 +12,11 @@ from optional import requires
 
 import linkedplane_ros
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.fit.criterion import Criterion, FitStates, Weights
+from linkedplane_ros.fit.criterion import Criterion, Weights
 from linkedplane_ros.fit.data import read_data
-from linkedplane_ros.fit.fitting import Plan, fit
 from linkedplane_ros.fit.parameters import build_space
+from linkedplane_ros.fit.search.fitting import Plan, fit
+from linkedplane_ros.fit.states import FitStates
 from linkedplane_ros.fit.survey import Survey, survey_range
 
 PACKAGE = Path(linkedplane_ros.__file__).parent

@@ -44,9 +44,9 @@ def test_no_package_imports_a_later_one() -> None:
         ('drawing/plot.py', 'import matplotlib.pyplot', 'imports matplotlib at its top'),
         ('types.py', 'from .node import qos', 'imports node, a later package'),
         ('files.py', 'import rclpy', 'ROS belongs in node'),
-        ('fit/swarm.py', 'if True:\n    import scipy', 'imports scipy at its top'),
-        ('fit/swarm.py', 'class Late:\n    import pymoo', 'imports pymoo at its top'),
-        ('fit/swarm.py', 'from scipy import optimize', 'imports scipy at its top'),
+        ('fit/search/swarm.py', 'if True:\n    import scipy', 'imports scipy at its top'),
+        ('fit/search/swarm.py', 'class Late:\n    import pymoo', 'imports pymoo at its top'),
+        ('fit/search/swarm.py', 'from scipy import optimize', 'imports scipy at its top'),
         ('node/play.py', 'import viser', 'imports viser at its top'),
     ],
 )

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import LinkedPlaneError
-from ..libraries import advise_install
-from ..types import Floats
+from ...errors import LinkedPlaneError
+from ...libraries import advise_install
+from ...types import Floats
 
 NEEDED = ('pymoo', 'scipy', 'matplotlib')
 INSTALL = f'a fit needs pymoo, SciPy and matplotlib: {advise_install(*NEEDED)}'

@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from ..errors import LinkedPlaneError
-from ..types import Floats
+from ...errors import LinkedPlaneError
+from ...types import Floats
 from .swarm import INSTALL
 
 Residuals = Callable[[Floats], 'Floats | float']

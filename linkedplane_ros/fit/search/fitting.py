@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
-from ..muscle.writing import file_content
-from ..types import Floats
-from .criterion import Criterion, evaluate_poses
+from ... import __version__
+from ...muscle.writing import file_content
+from ...types import Floats
+from ..criterion import Criterion
+from ..states import evaluate_poses
 from .polish import polish
 from .swarm import Swarm, scatter_particles
 

@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from ..errors import LinkedPlaneError
-from ..files import replace_when_complete
+from ...errors import LinkedPlaneError
+from ...files import replace_when_complete
 
 FORMAT = 'linkedplane_ros/fit_checkpoint'
 EVERY = 5.0  # s
