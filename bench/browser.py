@@ -175,7 +175,7 @@ def open_browser(smooth: bool = False) -> Iterator[Any]:
     environment = {**os.environ, **SOFTWARE}
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(
-            executable_path=CHROMIUM, args=arguments, env=environment
+            executable_path=CHROMIUM, args=arguments, env=environment, timeout=1e3 * PATIENCE
         )
         yield chromium
         chromium.close()

@@ -14,6 +14,7 @@ import pytest
 from command_line import PROGRAM, command_fault, command_output
 from fits import QUICK_OPTIONS
 from optional import requires
+from unhurried import PATIENCE
 
 from linkedplane_ros import BroadMuscle
 
@@ -63,7 +64,7 @@ def test_a_fit_that_was_interrupted_is_taken_up(
     while not checkpoint.exists() and stopped.poll() is None:
         time.sleep(0.005)
     stopped.send_signal(signal.SIGINT)
-    _, err = stopped.communicate(timeout=60)
+    _, err = stopped.communicate(timeout=PATIENCE)
     assert stopped.returncode == 130, err
     assert err == f'linkedplane: stopped; {checkpoint} is there for --resume\n'
     assert '--resume continues it, --force starts again' in command_fault(capsys, *task, *options)

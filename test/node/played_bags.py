@@ -60,8 +60,9 @@ class Player:
     """`linkedplane play` in a process of its own."""
 
     def __init__(self, *arguments: object) -> None:
-        """Start it."""
-        command = [sys.executable, '-m', 'linkedplane_ros.commands', 'play', *map(str, arguments)]
+        """Start it; unless told otherwise it waits for its subscriber as long as a test does."""
+        command = [sys.executable, '-m', 'linkedplane_ros.commands', 'play', '--wait', PATIENCE]
+        command = [str(part) for part in (*command, *arguments)]
         self.process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )

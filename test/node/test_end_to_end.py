@@ -25,13 +25,13 @@ NAMES = ('flexion', 'abduction', 'rotation')
 EXAMPLES = Path(__file__).parents[2] / 'msg_examples'
 
 
-def recorded(path: Path) -> list[JointState]:
-    """Return the joint states of a recording."""
+def recorded(path: Path, offset: float) -> list[JointState]:
+    """Return the joint states of a recording from `offset` s on."""
     from rclpy.serialization import deserialize_message
 
     return [
         deserialize_message(message.data, JointState)
-        for message in Recording.from_bag(path).messages()
+        for message in Recording.from_bag(path).messages(offset)
     ]
 
 
@@ -65,16 +65,16 @@ def check_answers(peer: Peer, inputs: list[JointState], convention: str, names=(
 
 
 @pytest.mark.parametrize(
-    ('bag', 'convention', 'names', 'rate'),
+    ('bag', 'convention', 'names', 'offset'),
     [
-        ('arm_raise', 'flexion_abduction_rotation', (), 1),  # the sample recording
-        ('abduction_mcap', 'opensim_tsm', (), 1),
-        ('flexion_sqlite3', 'opensim_tsm', (), 1),
+        ('arm_raise', 'flexion_abduction_rotation', (), 0.0),  # the sample recording
+        ('abduction_mcap', 'opensim_tsm', (), 0.0),
+        ('flexion_sqlite3', 'opensim_tsm', (), 0.0),
         (
             'daily_motion_mcap',
             'isb_yxy',
             ('th_plane_of_elevation', 'th_elevation', 'th_axial_rotation'),
-            5,
+            80.0,
         ),
     ],
 )
@@ -85,7 +85,7 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
     bag: str,
     convention: str,
     names: tuple,
-    rate: int,
+    offset: float,
 ) -> None:
     peer = Peer(raw=True)  # reading 150 marker arrays a second would keep a core busy
     path = EXAMPLES / bag
@@ -98,11 +98,11 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
     }
     if names:
         parameters['joint_names'] = f'[{",".join(names)}]'
-    inputs = recorded(path)
+    inputs = recorded(path, offset)
     with NodeProcess(tmp_path / 'node.log', **parameters) as process:
         peer.connect(process)
         # only the node listens to the player: this peer's own publisher stays silent
-        player = Player(path, '--rate', rate)
+        player = Player(path, '--rate', 2, '--start-offset', offset)
         assert peer.until(player.ended)
         assert player.result()[0] == 0
         assert peer.answers(len(inputs)), peer.counts()

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from optional import requires
 from rclpy.node import Node
+from unhurried import PATIENCE
 
 from linkedplane_ros.commands import demo
 from linkedplane_ros.commands.main import main as linkedplane
@@ -191,7 +192,7 @@ def test_a_clock_that_is_neither_on_nor_off_ends_an_executable_in_one_line(
         [sys.executable, '-m', *words, '--ros-args', '-p', 'use_sim_time:=maybe'],
         capture_output=True,
         text=True,
-        timeout=120.0,
+        timeout=PATIENCE,
     )
     assert done.returncode == 2
     assert done.stderr.count('\n') == 1
@@ -247,7 +248,7 @@ def test_the_other_executables_name_unknown_parameters_too(code: str) -> None:
         'from linkedplane_ros.node.environment import prepare; prepare(); '
     )
     text = subprocess.run(
-        [sys.executable, '-c', begin + code], capture_output=True, text=True, timeout=120.0
+        [sys.executable, '-c', begin + code], capture_output=True, text=True, timeout=PATIENCE
     ).stderr
     assert 'no parameter of this node: use_sim_tim (did you mean use_sim_time?)' in text
 
@@ -269,7 +270,7 @@ def test_the_viewer_hands_its_ros_arguments_on_and_ends_with_a_node_that_refuses
         [sys.executable, '-m', *command, '-p', 'muscle:=biceps'],
         capture_output=True,
         text=True,
-        timeout=120.0,
+        timeout=PATIENCE,
     )
     assert done.returncode == 1
     assert done.stderr.startswith("muscle_state_publisher: muscle: 'biceps' is neither a bundled")

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from unhurried import PATIENCE
+
 TOP = Path(__file__).resolve().parents[2]
 
 
@@ -19,5 +21,5 @@ def run_python(code: str, *options: str, **environment: str) -> subprocess.Compl
         cwd=TOP,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
     )

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from unhurried import PATIENCE
 
 TOP = Path(__file__).resolve().parents[2]
 SOURCES = TOP / 'linkedplane_ros'
@@ -43,7 +44,7 @@ def test_executables_run_from_a_sourced_workspace_with_the_python_that_built_it(
         env={'PATH': os.defpath, 'HOME': str(tmp_path), 'LINKEDPLANE_COMPILE': '0'},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
     )
     assert result.returncode == 0, result.stderr
     assert 'deltoid' in result.stdout

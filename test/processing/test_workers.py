@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from bags import odd_motion, refusal_line, write_bag
 from optional import requires
+from unhurried import PATIENCE
 
 from linkedplane_ros.processing.task import Task
 from linkedplane_ros.processing.workers import Worker, run_tasks
@@ -163,10 +164,10 @@ def test_an_interruption_ends_all_workers_and_leaves_nothing_half_written(
             assert process.poll() is None
         begun = children(process.pid)
         process.send_signal(number)
-        assert process.communicate(timeout=30)[1] == ''
+        assert process.communicate(timeout=PATIENCE)[1] == ''
     assert process.returncode == status
     assert list(out.iterdir()) == []
-    until = time.monotonic() + 10.0
+    until = time.monotonic() + PATIENCE
     while any(alive(each) for each in begun):
         assert time.monotonic() < until
         time.sleep(0.05)
