@@ -2,8 +2,8 @@
 """A node in a process of its own or in this one, and a peer that feeds it and reads its topics.
 
 A test starts the node by `with NodeProcess(...)` and `peer.connect(process)`, or by
-`with running(peer, ...)`, and waits for what it claims by `peer.until(...)`: never by a sleep, never
-less than PATIENCE. That something does not happen is seen from something that happens after it.
+`with running(peer, ...)`, and waits for what it claims by `peer.until(...)`: never by a sleep,
+never less than PATIENCE. That something does not happen is seen from what happens after it.
 """
 
 from __future__ import annotations
