@@ -6,10 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from ros_harness import TOPICS, Peer, together
+from ros_harness import TOPICS, Reader
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
@@ -53,16 +52,14 @@ def test_a_topic_on_demand_is_published_while_somebody_subscribes_it(
 
 
 @pytest.mark.parametrize('topic', ['moment_arms', *ON_DEMAND])
-def test_a_latched_topic_is_kept_for_whoever_subscribes_later(peer: Peer, topic: str) -> None:
+def test_a_latched_topic_is_kept_for_whoever_subscribes_later(ros: None, topic: str) -> None:
     name = f'qos_overrides./deltoid/{topic}.publisher.durability'
     node = MuscleStatePublisher(parameter_overrides=[Parameter(name, value='transient_local')])
-    node._answer(POSE)
-    node._answer = lambda message: None  # type: ignore[method-assign]  # no input from now on
-    late, got = Node('late'), []
+    node._answer(POSE)  # nobody listens, and nothing comes after it
+    late, got = Reader('late'), []
     latched = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    late.create_subscription(TOPICS[topic], f'deltoid/{topic}', got.append, latched)
-    with together(peer, node, late):
-        assert peer.until(lambda: bool(got))
+    late.keep(TOPICS[topic], f'deltoid/{topic}', got.append, qos_profile=latched)
+    assert late.until(lambda: bool(got))
     late.destroy_node()
     node.destroy_node()
 
