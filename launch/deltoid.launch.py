@@ -51,7 +51,7 @@ def start(context: LaunchContext) -> list[Action]:
                 arguments=[
                     *(word for name in PLACE for word in (f'--{name}', values[name])),
                     '--frame-id', values['parent_frame'],
-                    '--child-frame-id', node.parameters['frame_id'],
+                    '--child-frame-id', node.frame_id,
                 ],
             )
         )  # fmt: skip
@@ -62,7 +62,7 @@ def start(context: LaunchContext) -> list[Action]:
             executable='rviz2',
             namespace=values['namespace'],
             remappings=[('/deltoid/markers', node.marker_topic)],
-            arguments=['-d', PathJoinSubstitution(config), '-f', node.parameters['frame_id']],
+            arguments=['-d', PathJoinSubstitution(config), '-f', node.frame_id],
             condition=IfCondition(values['rviz']),
         )
     )

@@ -9,6 +9,7 @@ from typing import Any
 import played_bags
 import pytest
 import yaml
+from bag_metadata import write_metadata
 from launch_stand_ins import (
     DeclareLaunchArgument,
     ExecuteProcess,
@@ -48,17 +49,6 @@ def settings(node: Node) -> Settings:
     return Settings.from_values(values)
 
 
-def write_bag(folder: Path, *topics: str, **others: str) -> str:
-    """Write what a recording says of itself: topics of joint states, and others with their type."""
-    types = dict.fromkeys(topics, 'sensor_msgs/msg/JointState')
-    types |= {f'/{name}': kind for name, kind in others.items()}
-    listed = [{'topic_metadata': {'name': name, 'type': kind}} for name, kind in types.items()]
-    facts = {'rosbag2_bagfile_information': {'topics_with_message_count': listed}}
-    folder.mkdir()
-    (folder / 'metadata.yaml').write_text(yaml.safe_dump(facts))
-    return str(folder)
-
-
 def played(path: Path, **arguments: Any) -> list[str]:
     """Return the command that plays the recording."""
     [player] = [a for a in list_started(path, **arguments) if isinstance(a, ExecuteProcess)]
@@ -72,7 +62,7 @@ def test_every_argument_is_described_and_used_and_every_one_used_is_declared(
     entities = describe(path).entities
     declared = [each for each in entities if isinstance(each, DeclareLaunchArgument)]
     assert all(argument.description.endswith('.') for argument in declared)
-    bag = write_bag(tmp_path / 'bag', '/left/joint_states', '/right/joint_states')
+    bag = write_metadata(tmp_path / 'bag', '/left/joint_states', '/right/joint_states')
     topic = '' if path == BOTH else '/left/joint_states'
     values = Values({'bag': bag, 'bag_topic': topic, 'parent_frame': 'torso', 'rviz': 'true'})
     assert list_started_with(entities, values)  # a KeyError for one that is not declared
@@ -157,7 +147,7 @@ def test_empty_joint_names_are_the_conventions_coordinates(empty: str) -> None:
 def test_an_argument_that_cannot_be_used_is_named(
     tmp_path: Path, name: str, text: str, fault: str
 ) -> None:
-    bag = write_bag(tmp_path / 'bag', '/joint_states')
+    bag = write_metadata(tmp_path / 'bag', '/joint_states')
     with pytest.raises(LinkedPlaneError, match=f'{name}: .*{fault}'):
         list_started(DELTOID, **{'bag': bag, name: text})
 
@@ -197,7 +187,7 @@ def test_a_given_argument_wins_over_the_file_and_one_at_its_default_does_not(
     [hook] = nodes(DELTOID, 'static_transform_publisher', **arguments)
     assert hook.arguments[-2:] == ['--child-frame-id', frame]
     assert '--clock' in played(
-        DELTOID, bag=write_bag(tmp_path / 'bag', '/joint_states'), **arguments
+        DELTOID, bag=write_metadata(tmp_path / 'bag', '/joint_states'), **arguments
     )
 
 
@@ -220,7 +210,7 @@ def test_a_given_argument_wins_over_the_file_and_one_at_its_default_does_not(
 def test_a_recording_is_played_to_the_topic_of_the_node(
     tmp_path: Path, arguments: dict[str, Any], topic: str
 ) -> None:
-    bag = write_bag(tmp_path / 'my walk', '/recorded', notes='std_msgs/msg/String')
+    bag = write_metadata(tmp_path / 'my walk', '/recorded', notes='std_msgs/msg/String')
     assert played(DELTOID, bag=bag, **arguments) == [
         'ros2', 'bag', 'play', '--loop', bag, '--delay', '5.0',
         '--remap', f'/recorded:={topic}',
@@ -239,7 +229,7 @@ def test_a_recording_is_played_to_the_topic_of_the_node(
 def test_of_several_topics_of_joint_states_one_is_played_to_the_node(
     tmp_path: Path, topics: list[str], chosen: str, rules: list[str]
 ) -> None:
-    bag = write_bag(tmp_path / 'bag', *topics)
+    bag = write_metadata(tmp_path / 'bag', *topics)
     command = played(DELTOID, bag=bag, bag_topic=chosen, joint_states='/arm', delay='0')
     assert command == [
         'ros2',
@@ -256,7 +246,7 @@ def test_a_recordings_path_is_as_the_user_types_it(
 ) -> None:
     monkeypatch.setenv('HOME', str(tmp_path))
     monkeypatch.chdir(tmp_path)
-    bag = write_bag(tmp_path / 'bag', '/joint_states')
+    bag = write_metadata(tmp_path / 'bag', '/joint_states')
     assert played(DELTOID, bag='~/bag')[4] == bag
     assert played(DELTOID, bag='bag')[4] == 'bag'
 
@@ -286,7 +276,7 @@ def test_a_recording_that_does_not_reach_the_node_is_refused(
     tmp_path: Path, topics: list[str], others: dict[str, str], fault: str
 ) -> None:
     with pytest.raises(LinkedPlaneError, match=fault):
-        list_started(DELTOID, bag=write_bag(tmp_path / 'bag', *topics, **others))
+        list_started(DELTOID, bag=write_metadata(tmp_path / 'bag', *topics, **others))
 
 
 @pytest.mark.parametrize('text', ['', 'a: b', 'rosbag2_bagfile_information: 1', '['])
@@ -302,13 +292,17 @@ def test_a_folder_that_is_no_recording_is_refused(tmp_path: Path, text: str) -> 
         ({}, False),
         ({'use_sim_time': 'true'}, True),
         ({'use_sim_time': 'false', 'global_params': [('use_sim_time', True)]}, False),
-        ({'global_params': ['file.yaml', ('use_sim_time', True)]}, True),
+        ({'global_params': [('use_sim_time', True)]}, True),
+        ({'global_params': ['of_all.yaml', ('scale', '1')]}, True),
+        ({'global_params': ['of_all.yaml', ('use_sim_time', False)]}, False),
     ],
 )
 def test_under_sim_time_the_recording_brings_its_clock(
-    tmp_path: Path, arguments: dict[str, Any], clock: bool
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: dict[str, Any], clock: bool
 ) -> None:
-    bag = write_bag(tmp_path / 'bag', '/joint_states')
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'of_all.yaml').write_text('/**: {ros__parameters: {use_sim_time: true}}')
+    bag = write_metadata(tmp_path / 'bag', '/joint_states')
     assert ('--clock' in played(DELTOID, bag=bag, **arguments)) == clock
 
 
@@ -386,7 +380,7 @@ def test_in_a_pushed_namespace_rviz_shows_both_shoulders_there() -> None:
 def test_one_recording_is_played_to_both_shoulders(
     tmp_path: Path, topics: list[str], arguments: dict[str, str], rules: list[str]
 ) -> None:
-    bag = write_bag(tmp_path / 'bag', *topics)
+    bag = write_metadata(tmp_path / 'bag', *topics)
     command = played(BOTH, bag=bag, use_sim_time='true', **arguments)
     assert command == ['ros2', 'bag', 'play', '--loop', bag, '--delay', '5.0', '--clock', *rules]
 
@@ -395,7 +389,7 @@ def test_one_recording_is_played_to_both_shoulders(
 def test_a_recording_that_reaches_neither_or_one_shoulder_is_refused(
     tmp_path: Path, arguments: dict[str, str]
 ) -> None:
-    bag = write_bag(tmp_path / 'bag', '/joint_states', '/left/joint_states')
+    bag = write_metadata(tmp_path / 'bag', '/joint_states', '/left/joint_states')
     with pytest.raises(
         LinkedPlaneError, match='listen on /left/joint_states and /right/joint_states'
     ):

@@ -11,7 +11,7 @@ from pathlib import Path
 from posixpath import join
 
 import pytest
-import yaml
+from bag_metadata import write_metadata
 from launch_runs import TOP, Launch, requires_executable, write_prefix
 from optional import requires
 from ros_harness import Peer
@@ -79,15 +79,6 @@ def answer(launch: Launch, namespace: str, names: Sequence[str] = NAMES) -> Join
         return peer.got['band_states'][0]
 
 
-def write_bag(folder: Path, **topics: str) -> Path:
-    """Write what a recording says of itself, the types of its topics; it is not read further."""
-    folder.mkdir()
-    listed = [{'topic_metadata': {'name': f'/{n}', 'type': kind}} for n, kind in topics.items()]
-    facts = {'rosbag2_bagfile_information': {'topics_with_message_count': listed}}
-    (folder / 'metadata.yaml').write_text(yaml.safe_dump(facts))
-    return folder
-
-
 def stops_by_interrupt(launch: Launch, count: int) -> None:
     """Press Ctrl-C: so many nodes end well, and no process is left."""
     assert launch.process.poll() is None, launch.text
@@ -131,9 +122,7 @@ def test_both_shoulders_hang_on_the_torso(start: Callable[..., Launch], ros: Non
 def test_a_recording_reaches_a_node_in_a_namespace_that_another_launch_file_pushes(
     start: Callable[..., Launch], ros: None, tmp_path: Path
 ) -> None:
-    bag = write_bag(
-        tmp_path / 'a bag', recorded='sensor_msgs/msg/JointState', notes='std_msgs/msg/String'
-    )
+    bag = write_metadata(tmp_path / 'a bag', '/recorded', notes='std_msgs/msg/String')
     outer = tmp_path / 'outer.launch.xml'
     outer.write_text(OUTER.format(file=TOP / 'launch' / 'deltoid.launch.py', bag=bag))
     launch = start(outer)
@@ -142,7 +131,7 @@ def test_a_recording_reaches_a_node_in_a_namespace_that_another_launch_file_push
         assert peer.got['band_states'], launch.text
     played = json.loads((launch.log.parent / 'bag_play.json').read_text())
     assert played['remap'] == ['/recorded:=/robot/arm/human/joint_states']
-    assert (played['bag_path'], played['loop'], played['delay']) == (str(bag), True, 5.0)
+    assert (played['bag_path'], played['loop'], played['delay']) == (bag, True, 5.0)
     assert played['clock'] == 40  # SetParameter says so to all nodes
     stops_by_interrupt(launch, 1)
 

@@ -69,8 +69,11 @@ class MuscleNode:
         )
         params_file = Path(values['params_file']).expanduser() if values['params_file'] else None
         given = check_parameters(values)
-        pairs = [pair for pair in outer.get('global_params', ()) if isinstance(pair, tuple)]
         name = join(full_namespace, NAME)
+        from_outside: dict[str, Any] = {}
+        for item in outer.get('global_params', ()):  # a name and its value, or a file
+            pair = isinstance(item, tuple)
+            from_outside |= [item] if pair else read_parameter_file(Path(item), name)
         return MuscleNode(
             namespace=namespace,
             full_namespace=full_namespace,
@@ -84,7 +87,7 @@ class MuscleNode:
             given=given,
             parameters={
                 **{spec.name: spec.default for spec in PARAMETERS},
-                **dict(pairs),
+                **from_outside,
                 **(read_parameter_file(params_file, name) if params_file else {}),
                 **given,
             },
@@ -104,6 +107,11 @@ class MuscleNode:
             ],
             output='screen',
         )
+
+    @property
+    def frame_id(self) -> str:
+        """The frame of the outputs."""
+        return str(self.parameters['frame_id'])
 
     @property
     def marker_topic(self) -> str:
