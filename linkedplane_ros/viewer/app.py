@@ -12,7 +12,7 @@ import viser
 
 from ..errors import LinkedPlaneError
 from ..types import Floats
-from .newest import MuscleInfo, Values
+from .newest import MuscleInfo, Values, group_by_arm
 from .node import ViewerNode
 from .panels.muscle import MusclePanel
 from .panels.plots import Plots
@@ -68,10 +68,12 @@ class Viewer:
             return
         names = short_names(muscles)
         first = next(iter(muscles.values()))
-        tabs = gui.add_tab_group() if len(names) > 1 else None
-        for prefix, info in muscles.items():
-            place = tabs.add_tab(names[prefix]) if tabs else gui.add_folder(names[prefix])
-            with place:
+        arms = group_by_arm(muscles)
+        tabs = gui.add_tab_group() if len(arms) > 1 else None
+        for prefix, *others in arms:
+            title = ', '.join(names[each] for each in (prefix, *others))
+            info = muscles[prefix]
+            with tabs.add_tab(title) if tabs else gui.add_folder(title):
                 self._panels[prefix] = MusclePanel(
                     gui, info, self._make_mover(prefix, info), lambda: self._coordinate
                 )
@@ -126,8 +128,8 @@ class Viewer:
                 self._draw_muscle(prefix, newest[prefix], taken[prefix][2])
         if any(taken[prefix][2] for prefix in muscles):
             self._server.flush()
-        for prefix in muscles:
-            self._panels[prefix].update(newest[prefix])
+        for prefix, panel in self._panels.items():
+            panel.update(newest[prefix])
         self._look.update_legend(next(iter(muscles.values())))
         answered = [values.answered for values in newest.values()]
         if answered != self._answered:

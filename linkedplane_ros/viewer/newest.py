@@ -44,6 +44,7 @@ class MuscleInfo:
         bands: tuple[str, ...],
         joint_topic: str,
         node_parameters: Mapping[str, Any],
+        muscle_name: str = '',
     ) -> MuscleInfo:
         """Return what the labels of the arrays and the parameters of their node say.
 
@@ -56,6 +57,8 @@ class MuscleInfo:
         node_parameters
             The node's, by name. Without them the joints are the coordinates, and the convention
             is the one that has them. If the model cannot be loaded here, each band is a head.
+        muscle_name
+            That in its topics; it says which of the node's muscles it is.
 
         """
         conventions = JOINT_CONVENTIONS
@@ -71,17 +74,38 @@ class MuscleInfo:
         )
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
-        given = node_parameters.get('muscle', 'deltoid')
-        one = isinstance(given, str)
-        for muscle in [given] if one else given:
-            with suppress(ModelError):
-                model = BroadMuscle.load(muscle)
-                bands = bands or (model.band_names if one else ())
-                if model.band_names == bands:
-                    heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
-                    motion = model.range_of_motion
+        model = find_model(node_parameters.get('muscle', 'deltoid'), muscle_name, bands)
+        if model is not None:
+            bands = model.band_names
+            heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
+            motion = model.range_of_motion
         side = node_parameters.get('side', 'right')
         return MuscleInfo(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
+
+
+def find_model(given: str | Sequence[str], name: str, bands: tuple[str, ...]) -> BroadMuscle | None:
+    """Return the model of a muscle among those of its node: by its name, or else by its bands.
+
+    None if it cannot be loaded here, or has other bands; none in `bands` are those of any model.
+    """
+    texts = [given] if isinstance(given, str) else given
+    models = []
+    for text in texts:
+        with suppress(ModelError):
+            models.append(BroadMuscle.load(text))
+    fitting = [model for model in models if bands in ((), model.band_names)]
+    named = [model for model in fitting if model.name == name]
+    if named or bands or len(texts) == 1:
+        return next(iter(named or fitting), None)
+    return None
+
+
+def group_by_arm(muscles: Mapping[str, MuscleInfo]) -> list[list[str]]:
+    """Return the prefixes of muscles, in one list those that the same joint states move."""
+    arms: dict[tuple[str, JointMap], list[str]] = {}
+    for prefix, info in muscles.items():
+        arms.setdefault((info.joint_topic, info.joints), []).append(prefix)
+    return list(arms.values())
 
 
 def unpack_three(items: Sequence[Any]) -> Any:

@@ -162,7 +162,9 @@ class MuscleReader:
         if self._joints is None or not (self._labels or self._parameters):
             return
         labels = self._labels or ((), ())
-        info = MuscleInfo.from_parameters(*labels, self._joints.topic_name, self._parameters)
+        info = MuscleInfo.from_parameters(
+            *labels, self._joints.topic_name, self._parameters, self._prefix.rpartition('/')[2]
+        )
         if self._memory is None or self._memory.joints != info.joints:
             self._memory = JointMemory(info.joints)
         self.newest.set_info(info)
@@ -170,8 +172,7 @@ class MuscleReader:
     def discover(self) -> None:
         """Find its node, what it is, and the topic of its joint states."""
         publishers = self._node.get_publishers_info_by_topic(f'{self._prefix}/markers')
-        others = self._joints.get_publisher_count() - 1 if self._joints else 0
-        self.newest.update(present=bool(publishers), rivals=max(others, 0))
+        self.newest.update(present=bool(publishers), rivals=self._count_rivals())
         if not publishers:
             self._answer = None  # the next node may be another
             return
@@ -182,6 +183,14 @@ class MuscleReader:
         if self._answer is None and self._client is not None and self._client.service_is_ready():
             self._answer = self._client.call_async(GetParameters.Request(names=list(PARAMETERS)))
             self._answer.add_done_callback(self._receive_parameters)
+
+    def _count_rivals(self) -> int:
+        """Return how many publish its joint states besides this node, for any of its muscles."""
+        if self._joints is None:
+            return 0
+        topic = self._joints.topic_name
+        own = sum(publisher.topic_name == topic for publisher in self._node.publishers)
+        return max(self._joints.get_publisher_count() - own, 0)
 
     def _joint_topic(self, name: str, namespace: str) -> str:
         """Return the topic that a node takes its joint states from."""

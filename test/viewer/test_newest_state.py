@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from threading import Event
+from typing import Any
 
 import numpy as np
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.viewer.newest import MuscleInfo, NewestState, Values
+from linkedplane_ros.viewer.newest import MuscleInfo, NewestState, Values, group_by_arm
 from linkedplane_ros.viewer.panels.table import bands_table_html
 
 DELTOID = BroadMuscle.load('deltoid')
@@ -58,6 +59,39 @@ def test_of_several_muscles_of_a_node_the_one_with_the_bands_tells_the_heads() -
     )
     assert info.heads == (('anterior', 1), ('middle', 3), ('posterior', 7))
     assert MuscleInfo.from_parameters((), (), '/joint_states', parameters).bands == ()
+
+
+def test_each_of_several_muscles_of_a_node_is_known_by_its_name_before_its_first_state() -> None:
+    names = ['deltoid', 'example_shared_sphere', 'deltoid_ackland2008']
+    for labels in (((), ()), LABELS):  # two of the three have the same bands
+        for name in names:
+            model = BroadMuscle.load(name)
+            if labels[1] not in ((), model.band_names):
+                continue
+            info = MuscleInfo.from_parameters(*labels, '/joint_states', {'muscle': names}, name)
+            assert info.bands == model.band_names
+            assert [head for head, _ in info.heads] == [head.name for head in model.heads]
+            assert info.motion == model.range_of_motion
+
+
+def test_a_model_whose_bands_are_not_those_of_the_labels_is_another_one() -> None:
+    info = MuscleInfo.from_parameters(
+        THESIS.coordinates, ('a', 'b'), '/joint_states', {}, 'deltoid'
+    )
+    assert info.heads == (('a', 0), ('b', 1))
+
+
+def test_muscles_that_the_same_joint_states_move_are_one_arm() -> None:
+    def learn(topic: str, **parameters: Any) -> MuscleInfo:
+        return MuscleInfo.from_parameters((), (), topic, parameters)
+
+    muscles = {
+        '/deltoid': learn('/joint_states'),
+        '/left/deltoid': learn('/left/joint_states', side='left'),
+        '/other': learn('/joint_states', muscle='deltoid_ackland2008'),
+        '/named': learn('/joint_states', joint_names=['a', 'b', 'c']),
+    }
+    assert group_by_arm(muscles) == [['/deltoid', '/other'], ['/left/deltoid'], ['/named']]
 
 
 def test_the_table_has_the_numbers_in_millimetres() -> None:

@@ -151,6 +151,33 @@ def test_another_publisher_of_joint_states_is_noticed(viewer: ViewerNode, peer: 
     assert peer.until(lambda: values(viewer).rivals == 1)  # the peer
 
 
+def test_the_viewer_is_no_other_publisher_for_the_second_muscle_of_a_node(peer: Peer) -> None:
+    """Else it would wait for itself, and show neither."""
+    node = MuscleStatePublisher(
+        parameter_overrides=[Parameter('muscle', value=['deltoid', 'deltoid_ackland2008'])]
+    )
+    prefixes = {'/deltoid', '/deltoid_ackland2008'}
+    with together(peer, node), running(ViewerNode()) as viewer:
+
+        def rivals() -> set[int]:
+            return {viewer.readers[each].newest.take_newest()[1].rivals for each in prefixes}
+
+        def connected() -> bool:
+            return set(viewer.readers) == prefixes and all(
+                reader.publisher is not None
+                and reader.publisher.get_subscription_count() > 2  # the node and both readers
+                for reader in viewer.readers.values()
+            )
+
+        assert peer.until(connected)
+        assert peer.until(lambda: rivals() == {1})  # the peer
+        for each in prefixes:
+            info = viewer.readers[each].newest.take_newest()[0]
+            assert info is not None
+            assert info.bands == BroadMuscle.load(each[1:]).band_names  # before any state
+    node.destroy_node()
+
+
 def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
     peer: Peer, ros: None
 ) -> None:
