@@ -205,6 +205,7 @@ def test_a_given_argument_wins_over_the_file_and_one_at_its_default_does_not(
         ({'ros_remaps': [('joint_states', '/all')], 'joint_states': 'mine'}, '/all'),
         ({'ros_remaps': [('/left/joint_states', '/all')], 'namespace': 'left'}, '/all'),
         ({'ros_remaps': [('/other', '/all')]}, '/joint_states'),
+        ({'joint_states': '~/own', 'namespace': 'left'}, '/left/muscle_state_publisher/own'),
     ],
 )
 def test_a_recording_is_played_to_the_topic_of_the_node(

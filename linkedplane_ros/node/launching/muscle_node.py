@@ -123,9 +123,10 @@ class MuscleNode:
 
 
 def resolve_topic(topic: str, remappings: Iterable[tuple[str, str]], namespace: str) -> str:
-    """Return the full name of a topic: the first remapping of it counts."""
-    full = join(namespace, topic)
-    for source, target in remappings:
-        if join(namespace, source) == full:
-            return join(namespace, target)
-    return full
+    """Return the full name of a topic of the node: the first remapping of it counts."""
+
+    def full(name: str) -> str:
+        return join(namespace, name.replace('~', join(namespace, NAME), 1))
+
+    targets = (full(target) for source, target in remappings if full(source) == full(topic))
+    return next(targets, full(topic))
