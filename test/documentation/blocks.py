@@ -53,8 +53,8 @@ OTHERS = (  # what a reader does with programs that are not ours
     ['colcon', 'build', '--packages-select', PACKAGE],
     ['colcon', 'test', '--packages-select', PACKAGE],
     ['sudo', 'apt', 'install', 'ros-jazzy-plotjuggler-ros'],
-    ['kill', '%1'],
-    ['wait', '%1'],
+    ['kill', '$!'],
+    ['wait', '$!'],
 )
 
 
