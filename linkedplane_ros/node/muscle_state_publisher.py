@@ -30,11 +30,11 @@ from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
 from .interruption import interruptible
-from .outputs import NODE_NAME, THROTTLE, MuscleOutputs
+from .outputs import THROTTLE, MuscleOutputs
 from .parameters import NAMES, is_list
 from .ros_arguments import argument_errors, initialise_ros, warn_of_unknown_parameters
 from .settings import Settings
-from .topics import DIAGNOSTICS, JOINT_STATES
+from .topics import DIAGNOSTICS, JOINT_STATES, NODE_NAME
 
 
 class MuscleStatePublisher(Node):

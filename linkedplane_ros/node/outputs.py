@@ -26,10 +26,9 @@ from .diagnostics import Tally, build_status
 from .markers import MuscleMarkers
 from .messages import Answers, message_class
 from .settings import STILL, Settings
-from .topics import OUTPUTS
+from .topics import NODE_NAME, OUTPUTS
 
 THROTTLE = 5.0  # s between log lines on rejected messages
-NODE_NAME = 'muscle_state_publisher'
 
 
 class MuscleOutputs:

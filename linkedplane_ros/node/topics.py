@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from ..processing.topics import ANSWERS, MARKERS, Topic
 from ..recordings.bags import JOINT_STATE
 
+NODE_NAME = 'muscle_state_publisher'
 JOINT_STATES = Topic(
     'joint_states',
     JOINT_STATE,

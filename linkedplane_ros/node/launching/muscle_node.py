@@ -19,11 +19,9 @@ from ...errors import LinkedPlaneError
 from ...muscle.broad_muscle import BroadMuscle
 from ..parameters import Value
 from ..settings import list_muscles
-from ..topics import JOINT_STATES
+from ..topics import JOINT_STATES, NODE_NAME
 from .arguments import PARAMETERS, check_parameters, dump_parameters
 from .parameter_file import read_parameter_file
-
-NAME = 'muscle_state_publisher'
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ class MuscleNode:
         )
         params_file = Path(values['params_file']).expanduser() if values['params_file'] else None
         given = check_parameters(values)
-        name = join(full_namespace, NAME)
+        name = join(full_namespace, NODE_NAME)
         from_outside: dict[str, Any] = {}
         for item in outer.get('global_params', ()):  # a name and its value, or a file
             pair = isinstance(item, tuple)
@@ -97,8 +95,8 @@ class MuscleNode:
         """Return the action that starts the node."""
         return Node(
             package='linkedplane_ros',
-            executable=NAME,
-            name=NAME,  # the arguments win over what a file says for a node of this full name
+            executable=NODE_NAME,
+            name=NODE_NAME,  # the arguments win over what a file says for a node of this full name
             namespace=self.namespace,
             remappings=[(JOINT_STATES.name, self.joint_states)],
             parameters=[
@@ -126,7 +124,7 @@ def resolve_topic(topic: str, remappings: Iterable[tuple[str, str]], namespace: 
     """Return the full name of a topic of the node: the first remapping of it counts."""
 
     def full(name: str) -> str:
-        return join(namespace, name.replace('~', join(namespace, NAME), 1))
+        return join(namespace, name.replace('~', join(namespace, NODE_NAME), 1))
 
     targets = (full(target) for source, target in remappings if full(source) == full(topic))
     return next(targets, full(topic))
