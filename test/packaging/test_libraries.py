@@ -14,7 +14,7 @@ import pytest
 from minimal_python import TOP
 
 from linkedplane_ros.drawing.figure_files import import_matplotlib
-from linkedplane_ros.fit import swarm
+from linkedplane_ros.fit.search import swarm
 from linkedplane_ros.libraries import REQUIREMENTS, ROSDEP_KEYS, advise_install
 from linkedplane_ros.processing.outputs import ParquetOutput
 from linkedplane_ros.processing.reading import read_parquet
