@@ -249,3 +249,9 @@ def reader_of(muscle: str, peer: Peer) -> Iterator[Peer]:
             yield made
     finally:
         made.destroy_node()
+
+
+def muscles_published(node: MuscleStatePublisher) -> set[str]:
+    """Return the muscles whose topics a node has; ROS learns of a change some time later."""
+    found = node.get_publisher_names_and_types_by_node(node.get_name(), node.get_namespace())
+    return {topic.split('/')[1] for topic, _ in found if topic.endswith('/moment_arms')}

@@ -143,13 +143,17 @@ def wait_for_start(process: NodeProcess) -> None:
     status = Path(f'/proc/{process.process.pid}/status')
     if not status.exists():
         pytest.skip('the system does not tell which signals a process catches')
-    taken = False
+    python_runs = False
     while process.process.poll() is None:
         line = next(x for x in status.read_text().splitlines() if x.startswith('SigCgt'))
-        caught = bool(int(line.split()[1], 16) >> (signal.SIGINT - 1) & 1)
-        if taken and not caught:
+        caught = int(line.split()[1], 16)
+        interrupt, terminate = (
+            bool(caught >> (number - 1) & 1) for number in (signal.SIGINT, signal.SIGTERM)
+        )
+        if terminate or (python_runs and not interrupt):  # only ROS takes SIGTERM, later
             return
-        taken = taken or caught
+        python_runs = python_runs or interrupt
+        time.sleep(0.001)  # the node needs the processor, too
 
 
 MOMENTS = (0.0, 0.1, 0.3, 0.6, 1.0)  # s

@@ -18,7 +18,7 @@ from parameter_changes import (
     connected,
     expected_answer,
 )
-from ros_harness import Peer
+from ros_harness import Peer, muscles_published
 from visualization_msgs.msg import Marker
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
@@ -46,11 +46,7 @@ def test_a_change_of_muscle_moves_the_topics_there_and_back(
             solver = LinkedPlaneSolver(BroadMuscle.load(muscle))
             want = solver.solve(THESIS.rotation(POSE)).lengths
             assert np.abs(np.array(lengths[-1].data) - want).max() <= EXACT
-            found = {topic for topic, _ in node.get_publisher_names_and_types_by_node(
-                node.get_name(), node.get_namespace())}  # fmt: skip
-            gone = {'thin': 'deltoid', 'deltoid': 'thin'}[solver.muscle.name]
-            assert f'/{solver.muscle.name}/moment_arms' in found
-            assert f'/{gone}/moment_arms' not in found
+            assert peer.until(lambda name=solver.muscle.name: muscles_published(node) == {name})
     peer.executor_of_its_own.remove_node(thin)
     thin.destroy_node()
 

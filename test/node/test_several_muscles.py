@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from parameter_changes import change_parameters
-from ros_harness import ANSWERS, PATIENCE, NodeProcess, Peer, reader_of, running
+from ros_harness import ANSWERS, PATIENCE, NodeProcess, Peer, muscles_published, reader_of, running
 from visualization_msgs.msg import Marker
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
-from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 from linkedplane_ros.node.parameters import SPECS
 from linkedplane_ros.node.settings import Settings
 
@@ -67,12 +66,6 @@ def statuses(peer: Peer) -> dict[str, tuple[bytes, dict[str, str]]]:
         )
         for status in peer.diagnostics[-1].status
     }
-
-
-def published(node: MuscleStatePublisher) -> set[str]:
-    """Return the muscles whose topics a node has."""
-    found = node.get_publisher_names_and_types_by_node(node.get_name(), node.get_namespace())
-    return {topic.split('/')[1] for topic, _ in found if topic.endswith('/moment_arms')}
 
 
 def without_a_plane(folder: Path) -> str:
@@ -209,7 +202,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
         peer.send(NAMES, POSE, SPEEDS)
         assert peer.answers(1)
         assert change_parameters(node, muscle=BOTH).successful
-        assert peer.until(lambda: published(node) == set(BOTH))
+        assert peer.until(lambda: muscles_published(node) == set(BOTH))
         other.connect()
         peer.send(NAMES, POSE, SPEEDS)
         assert other.answers(1)
@@ -220,7 +213,7 @@ def test_a_second_muscle_comes_and_goes_and_leaves_nothing_in_a_viewer(
         assert counts == {'deltoid': '2', 'example_shared_sphere': '1'}
         shown = len(peer.got['markers'])
         assert change_parameters(node, muscle='deltoid').successful
-        assert peer.until(lambda: published(node) == {'deltoid'})
+        assert peer.until(lambda: muscles_published(node) == {'deltoid'})
         assert peer.until(lambda: other.got['markers'][-1].markers[0].action == Marker.DELETEALL)
         peer.send(NAMES, POSE, SPEEDS, nanoseconds=10**9)
         assert peer.answers(3)
@@ -238,7 +231,7 @@ def test_a_list_with_one_bad_muscle_is_refused_and_the_old_ones_work_on(
             assert not result.successful
             assert '\n' not in result.reason
             assert node.get_parameter('muscle').value == BOTH
-        assert peer.until(lambda: published(node) == set(BOTH))
+        assert peer.until(lambda: muscles_published(node) == set(BOTH))
         peer.send(NAMES, POSE, SPEEDS)
         for reader, name in zip((peer, other), BOTH, strict=True):
             assert reader.answers(1)
@@ -251,7 +244,7 @@ def test_of_muscles_that_are_refused_no_topic_is_left(peer: Peer) -> None:
         result = change_parameters(node, muscle=[*BOTH, 'example_humerus_spheres'])
         assert not result.successful
         assert 'volatile or transient_local' in result.reason
-        assert peer.until(lambda: published(node) == {'deltoid'})
+        assert peer.until(lambda: muscles_published(node) == {'deltoid'})
 
 
 def test_a_list_of_one_muscle_is_that_muscle(peer: Peer, capfd: pytest.CaptureFixture[str]) -> None:
