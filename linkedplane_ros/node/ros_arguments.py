@@ -21,10 +21,7 @@ from ..errors import ArgumentError
 SOURCE = re.compile(r',? at /\S+?:\d+')  # where in its own sources rcl found the fault
 UNUSABLE = re.compile(r"Couldn't parse .+?: '(.*)'\. Error: (.*)")
 EXPECTED = (  # what is in rcl's message, and what would be right
-    (
-        'Sequence should be of same type',
-        'a list of one type expected, as [1.0, 2.5]',
-    ),
+    ('Sequence should be of same type', 'a list of one type expected, as [1.0, 2.5]'),
     ('__node:=', "a node's name expected: letters, digits and '_'"),
     ('__ns:=', "a namespace expected: it starts with '/', then letters, digits, '_' and '/'"),
     ('remap rule', "FROM:=TO expected, of names with letters, digits, '_' and '/'"),
