@@ -13,7 +13,7 @@ endif
 unexport AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH PYTHONPATH PYTHONHOME
 unexport RMW_IMPLEMENTATION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo view test browser bench soak check docs workspace clean
+.PHONY: help demo view test quick browser bench soak check docs workspace clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*##/\1:/p' $(MAKEFILE_LIST)
@@ -32,6 +32,13 @@ test: .venv/.rivals check docs workspace  ## run all checks and tests
 	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2 $(DDS:%=--ignore=%)
 	$(BIN)/python -m pytest -m 'not workspace and not browser' --reruns 2 $(DDS)
 	@$(MAKE) --no-print-directory browser
+
+# Of each package something: what another Python, or another version of a library, could break.
+QUICK := linked_planes joints muscle solver recordings processing drawing commands \
+  node/test_end_to_end.py node/test_topics.py node/test_parameters_checked.py
+
+quick: .venv/.made demo  ## run the demo and a part of the tests; with OLDEST=1 on the oldest libraries
+	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2 $(QUICK:%=test/%)
 
 # Alone: the browser draws without a graphics card, and takes the machine for itself.
 browser: .venv/.made  ## test the viewer in Chromium; part of make test
@@ -53,7 +60,7 @@ check: .venv/.made  ## style, types, and who imports whom
 	$(BIN)/python doc/house.py
 	$(BIN)/python -c '$(OLD_NUMPY)' || $(BIN)/mypy
 
-docs: .venv/.docs  ## build the documentation into build/doc; any warning fails
+docs: .venv/.made  ## build the documentation into build/doc; any warning fails
 	$(BIN)/python -m sphinx -E -W --keep-going -n -q doc build/doc
 	@echo 'build/doc/index.html'
 
@@ -72,16 +79,17 @@ clean:  ## remove all that make has made
 
 SUITABLE := import sys, ensurepip, venv; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))
 
-.venv/.made: setup.py
+# With OLDEST=1, each library that the package runs on is as old as setup.py allows; a constraint
+# is dask, not dask[distributed].
+.venv/.made: setup.py test/requirements.txt
 	@$(PYTHON) -c '$(SUITABLE)' 2>/dev/null || { echo "make: $(PYTHON)" \
 	  "is not a CPython 3.10 to 3.13 with venv; name one with make PYTHON=..." >&2; exit 1; }
 	$(PYTHON) -m venv --clear .venv
 	touch .venv/COLCON_IGNORE
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,test]'
-	touch $@
-
-.venv/.docs: .venv/.made
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	grep --only-matching '[][a-zA-Z-]\+>=[0-9.]*[0-9]' setup.py \
+	  | sed 's/\[.*\]//; s/>=/==/' > .venv/oldest.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,cluster]' \
+	  --requirement test/requirements.txt $(if $(OLDEST),--constraint .venv/oldest.txt)
 	touch $@
 
 # Each rival where it can be had; what compares with a missing one is skipped, and says so.

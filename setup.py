@@ -8,32 +8,24 @@ from setuptools import find_packages, setup
 package_name = 'linkedplane_ros'
 share = 'share/' + package_name
 
+# The oldest versions that are tested (`make quick OLDEST=1`); Ubuntu 24.04 brings none older.
 ros = [
-    'ros-jazzy-rclpy',
-    'ros-jazzy-common-interfaces',
-    'ros-jazzy-rmw-fastrtps-cpp',
+    'ros-jazzy-rclpy>=7.1.6',
+    'ros-jazzy-common-interfaces>=5.3.6',
+    'ros-jazzy-rmw-fastrtps-cpp>=8.4.3',
 ]
-fast = ['numba']
-tools = ['matplotlib', 'pyarrow', 'pymoo>=0.6.2', 'rich', 'rosbags', 'scipy']
+fast = ['numba>=0.59.1']
+tools = [
+    'matplotlib>=3.6.3',
+    'pyarrow>=15.0.0',
+    'pymoo>=0.6.2',
+    'rich>=13.7.1',
+    'rosbags>=0.10.0',
+    'scipy>=1.11.4',
+]
 viewer = ['viser>=1.1,<2']
-cluster = ['dask[distributed]']
-docs = ['furo>=2024.8.6', 'myst-parser>=4', 'sphinx>=8.1']
+cluster = ['dask[distributed]>=2024.1.1']
 bench = ['mujoco>=3.6', 'opensim']
-test = [
-    'colcon-bash',
-    'colcon-output',
-    'colcon-ros',
-    'colcon-test-result',
-    'hypothesis',
-    'jsonschema',
-    'mypy',
-    'playwright',
-    'pytest',
-    'pytest-rerunfailures',
-    'pytest-xdist',
-    'ruff',
-    'types-PyYAML',
-]
 
 setup(
     name=package_name,
@@ -48,7 +40,7 @@ setup(
         (share + '/msg_examples', glob('msg_examples/*.yaml')),
         (share + '/msg_examples/arm_raise', glob('msg_examples/arm_raise/*')),
     ],
-    install_requires=['setuptools', 'numpy', 'PyYAML'],
+    install_requires=['setuptools', 'numpy>=1.26.4', 'PyYAML>=6.0.1'],
     extras_require={
         'ros': ros,
         'fast': fast,
@@ -56,9 +48,7 @@ setup(
         'viewer': viewer,
         'cluster': cluster,
         'bench': bench,
-        'docs': docs,
         'all': ros + fast + tools + viewer,
-        'test': test + cluster,
     },
     python_requires='>=3.10',
     zip_safe=False,

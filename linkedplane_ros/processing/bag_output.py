@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -148,7 +148,14 @@ class BagOutput:
 
     def close(self) -> None:
         """Finish."""
-        self._writer.close()
+        file = getattr(self._writer.storage, 'bio', None)  # of an MCAP
+        try:
+            self._writer.close()
+        except OSError:
+            if file is not None:
+                with suppress(OSError):  # Python would say it later, when it drops the file
+                    file.close()
+            raise
 
 
 def added_topics(description: OutputDescription) -> dict[str, str]:

@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
-import time
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,12 +13,27 @@ import pytest
 from command_line import PROGRAM, command_fault, command_output
 from fits import QUICK_OPTIONS
 from optional import requires
-from unhurried import PATIENCE
 
 from linkedplane_ros import BroadMuscle
 
 pytestmark = requires('pymoo', 'matplotlib')
 DELTOID = BroadMuscle.load('deltoid')
+# Ctrl-C as soon as there is a checkpoint
+INTERRUPTED_PROGRAM = """
+import signal, sys
+from linkedplane_ros.commands.main import main
+from linkedplane_ros.fit.checkpoint import Checkpoint
+
+write_if_due = Checkpoint.write_if_due
+
+def write_and_stop(checkpoint, search):
+    write_if_due(checkpoint, search)
+    if checkpoint.written:
+        signal.raise_signal(signal.SIGINT)
+
+Checkpoint.write_if_due = write_and_stop
+sys.exit(main(sys.argv[1:]))
+"""
 
 
 def test_a_fit_leaves_a_model_a_report_and_a_picture(
@@ -59,14 +73,11 @@ def test_a_fit_that_was_interrupted_is_taken_up(
     options = ['--every', '20', '--particles', '6', '--generations', '60', '--polish', '0']
     straight = tmp_path / 'straight.yaml'
     command_output(capsys, *task[:-1], straight, *options, '--name', 'fitted')
-    stopped = subprocess.Popen([*PROGRAM, *task, *options], stderr=subprocess.PIPE, text=True)
     checkpoint = tmp_path / 'fitted.checkpoint'
-    while not checkpoint.exists() and stopped.poll() is None:
-        time.sleep(0.005)
-    stopped.send_signal(signal.SIGINT)
-    _, err = stopped.communicate(timeout=PATIENCE)
-    assert stopped.returncode == 130, err
-    assert err == f'linkedplane: stopped; {checkpoint} is there for --resume\n'
+    command = [sys.executable, '-c', INTERRUPTED_PROGRAM, *task, *options]
+    stopped = subprocess.run(command, capture_output=True, text=True)
+    assert stopped.returncode == 130, stopped.stderr
+    assert stopped.stderr == f'linkedplane: stopped; {checkpoint} is there for --resume\n'
     assert '--resume continues it, --force starts again' in command_fault(capsys, *task, *options)
     command_output(capsys, *task, *options, '--resume', '--jobs', '2')
     assert (tmp_path / 'fitted.yaml').read_text() == straight.read_text()
