@@ -24,13 +24,8 @@ demo: .venv/.made  ## run the node on recorded motion and show its topics
 view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and move the arm
 	@$(BIN)/muscle_viewer --node
 
-# Nodes that find each other: one test at a time, since discovery is late beside others, and again
-# where it fails: a message that is lost by a late match is no fault of what is tested.
-DDS := test/node test/viewer
-
 test: .venv/.rivals check docs workspace  ## run all checks and tests
-	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2 $(DDS:%=--ignore=%)
-	$(BIN)/python -m pytest -m 'not workspace and not browser' --reruns 2 $(DDS)
+	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2
 	@$(MAKE) --no-print-directory browser
 
 # Of each package something: what another Python, or another version of a library, could break.
