@@ -172,8 +172,9 @@ def test_the_viewer_is_no_other_publisher_for_the_second_muscle_of_a_node(peer: 
         assert peer.until(connected)
         assert peer.until(lambda: rivals() == {1})  # the peer
         for each in prefixes:
-            info = viewer.readers[each].newest.take_newest()[0]
-            assert info is not None
+            reader = viewer.readers[each]
+            assert peer.until(lambda reader=reader: reader.newest.take_newest()[0] is not None)
+            info = reader.newest.take_newest()[0]
             assert info.bands == BroadMuscle.load(each[1:]).band_names  # before any state
     node.destroy_node()
 
