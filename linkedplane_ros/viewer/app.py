@@ -25,7 +25,11 @@ from .scene.muscle import MuscleScene, light_scene
 from .scene.wire import read_markers
 
 IDLE = 0.03  # s between frames without new messages
-WAITING = 'Waiting for a muscle: `ros2 run linkedplane_ros muscle_state_publisher`'
+# HTML: what the library sends of a Markdown after it may reach a page when the text is gone
+WAITING = (
+    '<p style="margin: 1em">Waiting for a muscle: '
+    '<code>ros2 run linkedplane_ros muscle_state_publisher</code></p>'
+)
 
 
 class Viewer:
@@ -64,7 +68,7 @@ class Viewer:
         gui.set_panel_label('muscle viewer')
         gui.main_panel.dock_right()
         if not muscles:
-            gui.add_markdown(WAITING)
+            gui.add_html(WAITING)
             return
         names = short_names(muscles)
         first = next(iter(muscles.values()))
