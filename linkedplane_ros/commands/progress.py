@@ -21,6 +21,8 @@ class ProgressBar:
     def __init__(self, total: float = 1.0) -> None:
         """Prepare the bar; it is shown from the beginning of the block on."""
         self._bar: Any = None
+        if not sys.stderr.isatty():
+            return
         with suppress(ImportError):
             from rich.console import Console
             from rich.progress import (
@@ -37,7 +39,6 @@ class ProgressBar:
                 TextColumn('{task.description}'),
                 TimeRemainingColumn(elapsed_when_finished=True),
                 transient=True,
-                disable=not sys.stderr.isatty(),
                 console=Console(stderr=True),
                 redirect_stdout=False,
                 redirect_stderr=False,
