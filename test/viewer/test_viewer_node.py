@@ -15,6 +15,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 from ros_harness import Peer, together
+from ros_harness import running as running_node
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
@@ -36,10 +37,12 @@ def running(viewer: ViewerNode) -> Iterator[ViewerNode]:
     ended = Event()
     thread = Thread(target=viewer.spin, args=(lambda: not ended.is_set(),))
     thread.start()
-    yield viewer
-    ended.set()
-    thread.join()
-    viewer.destroy_node()
+    try:
+        yield viewer
+    finally:
+        ended.set()
+        thread.join()
+        viewer.destroy_node()
 
 
 @pytest.fixture
@@ -153,11 +156,9 @@ def test_another_publisher_of_joint_states_is_noticed(viewer: ViewerNode, peer: 
 
 def test_the_viewer_is_no_other_publisher_for_the_second_muscle_of_a_node(peer: Peer) -> None:
     """Else it would wait for itself, and show neither."""
-    node = MuscleStatePublisher(
-        parameter_overrides=[Parameter('muscle', value=['deltoid', 'deltoid_ackland2008'])]
-    )
     prefixes = {'/deltoid', '/deltoid_ackland2008'}
-    with together(peer, node), running(ViewerNode()) as viewer:
+    muscles = ['deltoid', 'deltoid_ackland2008']
+    with running_node(peer, muscle=muscles), running(ViewerNode()) as viewer:
 
         def rivals() -> set[int]:
             return {viewer.readers[each].newest.take_newest()[1].rivals for each in prefixes}
@@ -176,7 +177,6 @@ def test_the_viewer_is_no_other_publisher_for_the_second_muscle_of_a_node(peer: 
             assert peer.until(lambda reader=reader: reader.newest.take_newest()[0] is not None)
             info = reader.newest.take_newest()[0]
             assert info.bands == BroadMuscle.load(each[1:]).band_names  # before any state
-    node.destroy_node()
 
 
 def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
