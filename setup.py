@@ -49,6 +49,7 @@ setup(
         'cluster': cluster,
         'bench': bench,
         'all': ros + fast + tools + viewer,
+        'test': ['pytest'],  # what colcon tests with; the rest is in test/requirements.txt
     },
     python_requires='>=3.10',
     zip_safe=False,

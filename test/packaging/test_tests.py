@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 import shutil
 import subprocess
@@ -71,7 +72,8 @@ def test_a_run_that_collects_too_few_tests_fails(tmp_path: Path) -> None:
 
     def run(*arguments: str) -> tuple[int, str]:
         command = [sys.executable, '-m', 'pytest', *arguments]
-        ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        env = {name: value for name, value in os.environ.items() if name != 'PYTEST_ADDOPTS'}
+        ended = subprocess.run(command, cwd=tmp_path, env=env, capture_output=True, text=True)
         return ended.returncode, ended.stdout + ended.stderr
 
     code, text = run()
