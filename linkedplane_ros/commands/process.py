@@ -112,6 +112,9 @@ def run(args: argparse.Namespace) -> None:
     if options.bones is not None and options.thorax is not None:
         print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
               f'{options.bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
+    caution = JOINT_CONVENTIONS[options.convention].caution
+    if options.bones is None and caution:
+        print(f'linkedplane: {caution}', file=sys.stderr)
     out = Path(args.out)
     sources, faults = find_recordings(args.inputs)
     single = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]

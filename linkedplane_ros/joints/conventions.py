@@ -99,6 +99,16 @@ class JointConvention:
         """
         return self.rotation_and_axes(angles, side)[1]
 
+    @property
+    def caution(self) -> str:
+        """What its streams usually measure; empty if that is what the model needs."""
+        if self.relative_to == 'scapula':
+            return ''
+        return (
+            f'{self.name} streams usually measure the humerus against the {self.relative_to}; '
+            'the model needs it against the scapula'
+        )
+
     def rotation_and_axes(
         self, angles: npt.ArrayLike, side: str = 'right'
     ) -> tuple[Floats, Floats]:

@@ -90,12 +90,8 @@ class MuscleStatePublisher(Node):
 
     def _warn_of_convention(self) -> None:
         """Log what the convention's streams usually measure, if that is not what is needed."""
-        convention = self._settings.convention
-        if convention.relative_to != 'scapula':
-            self.get_logger().warning(
-                f'{convention.name} streams usually measure the humerus against the '
-                f'{convention.relative_to}; this node needs it against the scapula'
-            )
+        if caution := self._settings.convention.caution:
+            self.get_logger().warning(caution)
 
     def _apply(self, settings: Settings, muscles: Sequence[MuscleOutputs]) -> None:
         """Use these settings and answer with these muscles from now on."""

@@ -19,7 +19,9 @@ from bags import (
     write_bag,
 )
 
+from linkedplane_ros.commands.main import main
 from linkedplane_ros.errors import RecordingError
+from linkedplane_ros.joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
 from linkedplane_ros.processing.inputs import find_recordings
 from linkedplane_ros.processing.reading import read_processed
 
@@ -229,3 +231,26 @@ def test_facts_that_cannot_be_read_are_one_line(tmp_path: Path, text: str) -> No
     with pytest.raises(RecordingError, match=r'out\.csv\.facts\.yaml: not YAML') as caught:
         read_processed(tmp_path / 'out.csv')
     assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ('convention', 'against'),
+    [
+        ('opensim_mobl', 'thorax'),
+        ('rep155', 'torso'),
+        ('isb_yxy', ''),
+        (THESIS_CONVENTION.name, ''),
+    ],
+)
+def test_a_convention_of_the_thorax_is_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], convention: str, against: str
+) -> None:
+    coordinates = JOINT_CONVENTIONS[convention].coordinates
+    (tmp_path / 'in.csv').write_text(f'time,{",".join(coordinates)}\n0,0.1,0.2,0.3\n')
+    files = str(tmp_path / 'in.csv'), str(tmp_path / 'out.csv')
+    assert main(['process', *files, '--convention', convention]) == 0
+    warning = (
+        f'linkedplane: {convention} streams usually measure the humerus against the {against}; '
+        'the model needs it against the scapula\n'
+    )
+    assert capsys.readouterr().err == (warning if against else '')
