@@ -217,6 +217,11 @@ def list_started_with(entities: Sequence[Any], values: Values) -> list[Node | Ex
     return found
 
 
+def parameter(value: Any, values: Values) -> Any:
+    """Return a parameter as the node gets it: of the type that it has here; text stays text."""
+    return value if isinstance(value, bool | int | float | list) else text(value, values)
+
+
 def substitute(action: Node | ExecuteProcess, values: Values) -> Node | ExecuteProcess:
     """Return an action with plain text for every substitution."""
     if isinstance(action, ExecuteProcess):
@@ -229,7 +234,7 @@ def substitute(action: Node | ExecuteProcess, values: Values) -> Node | ExecuteP
         parameters=[
             given
             if isinstance(given, str)
-            else {name: text(value, values) for name, value in given.items()}
+            else {name: parameter(value, values) for name, value in given.items()}
             for given in action.parameters
         ],
         remappings=[(text(a, values), text(b, values)) for a, b in action.remappings],

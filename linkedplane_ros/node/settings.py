@@ -51,18 +51,8 @@ class Settings:
             It names the parameter that cannot be used, its value, and what is expected.
 
         """
-        checked: dict[str, Any] = {spec.name: spec.check(values[spec.name]) for spec in SPECS}
+        checked = check_values(values)
         convention = JOINT_CONVENTIONS[checked['joint_convention']]
-        if any(abs(sign) != 1.0 for sign in checked['joint_signs']):
-            raise LinkedPlaneError(
-                f'parameter joint_signs: {checked["joint_signs"]} given, 1.0 or -1.0 expected'
-            )
-        frame = checked['frame_id']
-        if not frame or frame.startswith('/'):
-            raise LinkedPlaneError(
-                f'parameter frame_id: {frame!r} given, the name of a frame expected; tf2 has none '
-                "that starts with '/'"
-            )
         solvers, left_out = build_solvers(
             list_muscles(checked['muscle']), checked['scale'], checked['side'], convention, may_fail
         )
@@ -82,6 +72,29 @@ class Settings:
             markers_points=checked['markers.points'],
             markers_details=checked['markers.details'],
         )
+
+
+def check_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of all parameters, checked as far as no muscle has to be loaded.
+
+    Raises
+    ------
+    LinkedPlaneError
+        As `Settings.from_values`.
+
+    """
+    checked: dict[str, Any] = {spec.name: spec.check(values[spec.name]) for spec in SPECS}
+    if any(abs(sign) != 1.0 for sign in checked['joint_signs']):
+        raise LinkedPlaneError(
+            f'parameter joint_signs: {checked["joint_signs"]} given, 1.0 or -1.0 expected'
+        )
+    frame = checked['frame_id']
+    if not frame or frame.startswith('/'):
+        raise LinkedPlaneError(
+            f'parameter frame_id: {frame!r} given, the name of a frame expected; tf2 has none '
+            "that starts with '/'"
+        )
+    return checked
 
 
 def list_muscles(value: Any) -> list[str]:

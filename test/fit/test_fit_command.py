@@ -22,7 +22,7 @@ DELTOID = BroadMuscle.load('deltoid')
 INTERRUPTED_PROGRAM = """
 import signal, sys
 from linkedplane_ros.commands.main import main
-from linkedplane_ros.fit.checkpoint import Checkpoint
+from linkedplane_ros.fit.search.checkpoint import Checkpoint
 
 write_if_due = Checkpoint.write_if_due
 

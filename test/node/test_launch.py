@@ -39,11 +39,11 @@ def nodes(path: Path, executable: str, **arguments: Any) -> list[Node]:
 
 
 def settings(node: Node) -> Settings:
-    """Return the settings that a node's parameters make, read as launch_ros reads them: as YAML."""
+    """Return the settings that a node's parameters make; launch_ros keeps a value's type."""
     values = dict(DEFAULTS)
     for given in node.parameters:
         assert isinstance(given, dict)
-        values |= {name: yaml.safe_load(value) for name, value in given.items()}
+        values |= given
     assert values.pop('use_sim_time', False) in (True, False)
     assert set(values) == set(DEFAULTS)
     return Settings.from_values(values)
@@ -124,7 +124,7 @@ def test_the_arguments_reach_the_parameters() -> None:
 @pytest.mark.parametrize('empty', ['[]', "['']"])
 def test_empty_joint_names_are_the_conventions_coordinates(empty: str) -> None:
     [node] = nodes(DELTOID, 'muscle_state_publisher', joint_names=empty)
-    assert node.parameters == [{'joint_names': "['']"}]
+    assert node.parameters == [{'joint_names': ['']}]  # rcl drops an empty list
     chosen = settings(node)
     assert chosen.joints.names == chosen.convention.coordinates
 
@@ -142,6 +142,9 @@ def test_empty_joint_names_are_the_conventions_coordinates(empty: str) -> None:
         ('delay', '-1', 'seconds from 0 expected'),
         ('delay', 'long', 'seconds from 0 expected'),
         ('params_file', 'nowhere.yaml', 'No such file or directory'),
+        ('joint_states', 'a b', "a topic's name expected"),
+        ('joint_signs', '[1, 2, 1]', '1.0 or -1.0 expected'),
+        ('frame_id', '/x', 'the name of a frame expected'),
     ],
 )
 def test_an_argument_that_cannot_be_used_is_named(
@@ -150,6 +153,22 @@ def test_an_argument_that_cannot_be_used_is_named(
     bag = write_metadata(tmp_path / 'bag', '/joint_states')
     with pytest.raises(LinkedPlaneError, match=f'{name}: .*{fault}'):
         list_started(DELTOID, **{'bag': bag, name: text})
+
+
+def test_a_topic_that_is_not_recorded_is_named(tmp_path: Path) -> None:
+    bag = write_metadata(tmp_path / 'bag', '/joint_states')
+    with pytest.raises(LinkedPlaneError, match='JointState on /typo in it, but /joint_states '):
+        list_started(DELTOID, bag=bag, bag_topic='/typo')
+
+
+def test_nothing_starts_for_a_muscle_or_a_file_that_the_node_would_refuse(tmp_path: Path) -> None:
+    with pytest.raises(LinkedPlaneError, match='neither a bundled model'):
+        list_started(DELTOID, muscle='nonsense')
+    assert list_started(DELTOID, muscle='[nonsense, deltoid]')  # the node goes on with one
+    file = tmp_path / 'params.yaml'
+    file.write_text('/**: {ros__parameters: {joint_offsets: [1, up, 0]}}')
+    with pytest.raises(LinkedPlaneError, match=r'joint_offsets: .* 3 finite numbers expected'):
+        list_started(DELTOID, params_file=str(file))
 
 
 FILE = """

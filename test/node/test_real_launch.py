@@ -17,6 +17,9 @@ from optional import requires
 from ros_harness import Peer
 from sensor_msgs.msg import JointState
 
+from linkedplane_ros import BroadMuscle, LinkedPlaneSolver
+from linkedplane_ros.joints.conventions import THESIS_CONVENTION
+
 pytestmark = requires('launch_ros')
 NAMES = ('flexion', 'abduction', 'rotation')
 POSE = (0.3, 0.2, 0.1)  # rad
@@ -101,6 +104,25 @@ def test_one_shoulder_starts_answers_and_stops(
     stops_by_interrupt(launch, 1)
 
 
+def test_arguments_of_every_type_reach_the_node(start: Callable[..., Launch], ros: None) -> None:
+    launch = start(
+        'deltoid.launch.py',
+        'joint_names:=[a, b, c]',
+        'joint_signs:=[1.0, -1.0, 1.0]',
+        'joint_offsets:=[0, 0.1, 0.0]',
+        'markers.enabled:=false',
+        'markers.points:=9',
+        'markers.rate:=10',
+        'scale:=1.05',
+        'use_sim_time:=true',
+        'muscle:=[deltoid, deltoid_ackland2008]',
+    )
+    rotation = THESIS_CONVENTION.rotation((POSE[0], 0.1 - POSE[1], POSE[2]))
+    expected = LinkedPlaneSolver(BroadMuscle.load('deltoid').scaled('1.05')).solve(rotation)
+    assert list(answer(launch, '/', names='abc').position) == pytest.approx(expected.lengths)
+    stops_by_interrupt(launch, 1)
+
+
 def test_both_shoulders_start_answer_and_stop(
     start: Callable[..., Launch], ros: None, tmp_path: Path
 ) -> None:
@@ -142,6 +164,7 @@ def test_a_recording_reaches_a_node_in_a_namespace_that_another_launch_file_push
     [
         ('deltoid.launch.py', 'side:=up', "parameter side: 'up' given, one of right, left"),
         ('deltoid.launch.py', 'params_file:=none.yaml', 'params_file: none.yaml: No such file'),
+        ('deltoid.launch.py', 'joint_signs:=[1, 2, 1]', 'parameter joint_signs: '),
         ('deltoid.launch.py', 'bag:=none', 'bag: none: no such file or folder'),
         ('both_shoulders.launch.py', 'right_joint_names:=[a, b', 'joint_names: [a, b given, which'),
     ],

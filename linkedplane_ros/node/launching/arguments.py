@@ -14,7 +14,7 @@ import yaml
 from launch.actions import DeclareLaunchArgument
 
 from ...errors import LinkedPlaneError
-from ..parameters import SPECS, ParameterSpec, Value, dump_yaml
+from ..parameters import SPECS, ParameterSpec, Value
 
 Argument = tuple[str, str, str]
 """Name, default and meaning."""
@@ -81,8 +81,3 @@ def parse_argument(name: str, text: str) -> Any:
         return yaml.safe_load(text)
     except yaml.YAMLError:
         raise LinkedPlaneError(f'{name}: {text} given, which is not YAML') from None
-
-
-def dump_parameters(parameters: Mapping[str, Value]) -> dict[str, str]:
-    """Return parameters as launch_ros takes them: as YAML, so that a text '1' stays a text."""
-    return {name: dump_yaml(value) for name, value in parameters.items()}

@@ -12,15 +12,17 @@ from typing import Any
 
 from launch_ros.actions import Node
 from launch_ros.utilities import make_namespace_absolute, prefix_namespace
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from launch import LaunchContext
 
 from ...errors import LinkedPlaneError
 from ...muscle.broad_muscle import BroadMuscle
 from ..parameters import Value
-from ..settings import list_muscles
+from ..settings import check_values, list_muscles
 from ..topics import JOINT_STATES, NODE_NAME
-from .arguments import PARAMETERS, check_parameters, dump_parameters
+from .arguments import PARAMETERS, check_parameters
 from .parameter_file import read_parameter_file
 
 
@@ -72,23 +74,26 @@ class MuscleNode:
         for item in outer.get('global_params', ()):  # a name and its value, or a file
             pair = isinstance(item, tuple)
             from_outside |= [item] if pair else read_parameter_file(Path(item), name)
+        input_topic = resolve_topic(
+            JOINT_STATES.name,
+            [*outer.get('ros_remaps', ()), (JOINT_STATES.name, values['joint_states'])],
+            full_namespace,
+        )
+        parameters = {
+            **{spec.name: spec.default for spec in PARAMETERS},
+            **from_outside,
+            **(read_parameter_file(params_file, name) if params_file else {}),
+            **given,
+        }
+        check_node(input_topic, parameters)
         return MuscleNode(
             namespace=namespace,
             full_namespace=full_namespace,
             joint_states=values['joint_states'],
-            input_topic=resolve_topic(
-                JOINT_STATES.name,
-                [*outer.get('ros_remaps', ()), (JOINT_STATES.name, values['joint_states'])],
-                full_namespace,
-            ),
+            input_topic=input_topic,
             params_file=params_file,
             given=given,
-            parameters={
-                **{spec.name: spec.default for spec in PARAMETERS},
-                **from_outside,
-                **(read_parameter_file(params_file, name) if params_file else {}),
-                **given,
-            },
+            parameters=parameters,
         )
 
     def start(self) -> Node:
@@ -101,7 +106,7 @@ class MuscleNode:
             remappings=[(JOINT_STATES.name, self.joint_states)],
             parameters=[
                 *([str(self.params_file)] if self.params_file else []),
-                *([dump_parameters(self.given)] if self.given else []),
+                *([self.given] if self.given else []),  # launch_ros keeps types
             ],
             output='screen',
         )
@@ -118,6 +123,27 @@ class MuscleNode:
         with suppress(LinkedPlaneError):  # the node says what is wrong with it
             name = BroadMuscle.load(name).name
         return join(self.full_namespace, name, 'markers')
+
+
+def check_node(input_topic: str, parameters: Mapping[str, Any]) -> None:
+    """Raise LinkedPlaneError for what the node would refuse, before a player plays to nobody."""
+    try:
+        validate_full_topic_name(input_topic)
+    except InvalidTopicNameException:
+        raise LinkedPlaneError(
+            f"joint_states: {input_topic!r} given, a topic's name expected: letters, digits, '_' "
+            "and '/'"
+        ) from None
+    checked = check_values(parameters)
+    faults = []
+    muscles = list_muscles(checked['muscle'])
+    for muscle in muscles:
+        try:
+            BroadMuscle.load(muscle).scaled(checked['scale'])
+        except LinkedPlaneError as fault:
+            faults.append(str(fault))
+    if len(faults) == len(muscles):  # else the node goes on without them, and says so
+        raise LinkedPlaneError('; '.join(dict.fromkeys(faults)))
 
 
 def resolve_topic(topic: str, remappings: Iterable[tuple[str, str]], namespace: str) -> str:

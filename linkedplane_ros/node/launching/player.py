@@ -77,15 +77,17 @@ def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
     listening = ' and '.join(sorted(wanted))
     if chosen and len(wanted) > 1:
         raise LinkedPlaneError(f'bag_topic: {chosen} given, but the nodes listen on {listening}')
-    if chosen:
-        topic = join('/', chosen)
-        return [f'{topic}:={goal}' for goal in wanted if goal != topic]
+    topic = join('/', chosen) if chosen else None
     try:
         recorded = list_topics(bag)
     except RecordingError as fault:
-        raise RecordingError(f'{fault}; bag_topic:=TOPIC names its joint states unread') from None
-    held = {topic for topic, kind in recorded if kind == JOINT_STATE}
-    if wanted <= held:
+        if topic is None:
+            raise RecordingError(
+                f'{fault}; bag_topic:=TOPIC names its joint states unread'
+            ) from None
+        recorded = [(topic, JOINT_STATE)]
+    held = {name for name, kind in recorded if kind == JOINT_STATE}
+    if topic is None and wanted <= held:
         return []
     if len(wanted) > 1:
         raise RecordingError(
@@ -93,5 +95,5 @@ def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
             f'listen on {listening}; left_joint_states:=TOPIC and right_joint_states:=TOPIC '
             'choose others'
         )
-    topic = choose_joint_topic(bag, recorded, None, 'bag_topic:=TOPIC')
-    return [f'{topic}:={goal}' for goal in wanted]
+    topic = choose_joint_topic(bag, recorded, topic, 'bag_topic:=TOPIC')
+    return [f'{topic}:={goal}' for goal in wanted if goal != topic]
