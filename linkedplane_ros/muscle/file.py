@@ -10,7 +10,7 @@ from importlib import resources
 from ..errors import FieldError
 from ..types import Interval
 from .definition import Definition
-from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, known_keys
+from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, check_keys, known_keys
 from .parts import (
     COORDINATES,
     Curve,
@@ -38,7 +38,7 @@ def name_keys(mapping: YamlMapping) -> Iterator[None]:
 
 def read_definition(file: YamlMapping) -> Definition:
     """Return the definition in a file's content; ModelError names file, key and reason."""
-    file.check_keys(*known_keys(''))
+    check_keys(file, '')
     if file.text('format') != FORMAT:
         raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')
     if file.content['version'] is not VERSION:
@@ -48,11 +48,11 @@ def read_definition(file: YamlMapping) -> Definition:
             'that this program reads',
         )
     units = file.mapping('units')
-    units.check_keys(*known_keys('units'))
+    check_keys(units, 'units')
     bands = file.mapping('bands')
-    bands.check_keys(*known_keys('bands'))
+    check_keys(bands, 'bands')
     sphere = file.mapping('sphere')
-    sphere.check_keys(*known_keys('sphere'))
+    check_keys(sphere, 'sphere')
     frame = sphere.content['frame']
     with name_keys(file):
         return Definition(
@@ -85,7 +85,7 @@ def _read_s(bands: YamlMapping) -> Span | tuple[float, ...] | None:
     if isinstance(bands.content['s'], list):
         return bands.numbers('s')
     span = bands.mapping('s')
-    span.check_keys(*known_keys('bands.s'))
+    check_keys(span, 'bands.s')
     return Span(span.number('first'), span.number('last'))
 
 
@@ -96,7 +96,7 @@ def _read_curve(mapping: YamlMapping, key: str) -> Curve:
         return Polynomial(mapping.numbers(key))
     if isinstance(value, dict):
         listed = mapping.mapping(key)
-        listed.check_keys(*known_keys('QUANTITY'))
+        check_keys(listed, 'QUANTITY')
         return Listed(listed.numbers('list'))
     if isinstance(value, str) or value is None:
         raise mapping.fault(
@@ -124,7 +124,7 @@ def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
         raise file.fault('heads', 'at least one head expected, none given')
     heads = []
     for name, entry in file.mappings('heads'):
-        entry.check_keys(*known_keys('heads.NAME'))
+        check_keys(entry, 'heads.NAME')
         with name_keys(entry):
             heads.append(Head(name, entry.names('bands'), entry.text('represented_by')))
     return tuple(heads)
@@ -134,7 +134,7 @@ def read_interference_spheres(file: YamlMapping) -> tuple[InterferenceSphere, ..
     """Return the interference spheres of a file, in its unit of length."""
     spheres = []
     for name, entry in file.mappings('interference_spheres'):
-        entry.check_keys(*known_keys('interference_spheres.NAME'))
+        check_keys(entry, 'interference_spheres.NAME')
         with name_keys(entry):
             spheres.append(InterferenceSphere(name, entry.point('centre'), entry.number('radius')))
     return tuple(spheres)
@@ -143,7 +143,7 @@ def read_interference_spheres(file: YamlMapping) -> tuple[InterferenceSphere, ..
 def _read_landmarks(file: YamlMapping) -> tuple[Landmark, ...]:
     landmarks = []
     for name, entry in file.mappings('landmarks'):
-        entry.check_keys(*known_keys('landmarks.NAME'))
+        check_keys(entry, 'landmarks.NAME')
         with name_keys(entry):
             landmarks.append(Landmark(name, entry.content['bone'], entry.point('at')))
     return tuple(landmarks)
@@ -153,7 +153,7 @@ def _read_range_of_motion(file: YamlMapping) -> tuple[Interval, Interval, Interv
     if 'range_of_motion' not in file:
         return None
     limits = file.mapping('range_of_motion')
-    limits.check_keys(*known_keys('range_of_motion'))
+    check_keys(limits, 'range_of_motion')
     (a, b), (c, d), (e, f) = (limits.numbers(coordinate, 2) for coordinate in COORDINATES)
     return (a, b), (c, d), (e, f)
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from .parts import BONES, FRAMES, METRES, RADIANS
+from .yaml_mapping import YamlMapping
 
 FORMAT = 'linkedplane_ros/broad_muscle'
 VERSION = 1
@@ -229,3 +230,8 @@ def known_keys(path: str) -> tuple[list[str], list[str]]:
     named = list(keys_below(path))
     needed = [name for name, key in named if key.required]
     return needed, [name for name, key in named if not key.required]
+
+
+def check_keys(mapping: YamlMapping, path: str) -> None:
+    """Refuse what a mapping of a model file lacks of the keys below a path, or has besides them."""
+    mapping.check_keys(*known_keys(path))
