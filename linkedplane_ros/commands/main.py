@@ -12,20 +12,12 @@ import re
 import sys
 from collections.abc import Sequence
 from decimal import Decimal
+from importlib import import_module
 
 from .. import __version__
 from ..node.command_line import exit_status, split_ros_arguments
-from . import fit, info, play, plot, process, solve, study
 
-COMMANDS = {
-    'info': info,
-    'solve': solve,
-    'play': play,
-    'fit': fit,
-    'process': process,
-    'plot': plot,
-    'study': study,
-}
+COMMANDS = ('info', 'solve', 'play', 'fit', 'process', 'plot', 'study')  # a module each
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -36,8 +28,11 @@ def build_parser() -> argparse.ArgumentParser:
         epilog='ROS arguments of `linkedplane play` follow --ros-args.',
     )
     top.add_argument('--version', action='version', version=__version__)
-    commands = top.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for name, command in COMMANDS.items():
+    commands = top.add_subparsers(
+        title='commands', dest='command', required=True, metavar='COMMAND'
+    )
+    for name in COMMANDS:
+        command = import_module(f'.{name}', __package__)
         does = command.run.__doc__
         parser = commands.add_parser(name, help=does, description=does)
         command.add_arguments(parser)
@@ -52,16 +47,22 @@ def expand_exponent(argument: str) -> str:
     return argument
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """Run the command line; return its exit status."""
-    own, ros_arguments = split_ros_arguments(sys.argv[1:] if args is None else args)
+def read_command_line(args: Sequence[str]) -> argparse.Namespace:
+    """Return the arguments of a command; `words` are those as given, `ros_arguments` for ROS."""
+    own, ros_arguments = split_ros_arguments(args)
     words = [expand_exponent(arg) for arg in own]
     parser = build_parser()
     options = parser.parse_args(words)
-    if ros_arguments[1:] and options.run is not play.run:
+    if ros_arguments[1:] and options.command != 'play':
         parser.error(f'no ROS arguments expected: {" ".join(ros_arguments)}; only play is a node')
     options.words, options.ros_arguments = words, ros_arguments
+    return options
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
     try:
+        options = read_command_line(sys.argv[1:] if args is None else args)
         options.run(options)
         sys.stdout.flush()
     except ValueError as error:  # ours, or a library's for what it found in a file

@@ -5,14 +5,15 @@ import sys
 from argparse import RawDescriptionHelpFormatter
 
 from .command_line import ArgumentParser, mistakes_in_one_line, split_ros_arguments
-from .environment import prepare_executable
-from .parameters import SPECS
+from .environment import end_quietly_on_interrupt, prepare
 
 PROGRAM = 'muscle_state_publisher'
 
 
 def build_parser() -> ArgumentParser:
     """Return the parser of the command line; all that the node takes are ROS arguments."""
+    from .parameters import SPECS  # it loads the solver
+
     parameters = '\n'.join(f'  -p {spec.name}:={spec.default_text}' for spec in SPECS)
     return ArgumentParser(
         prog=PROGRAM,
@@ -25,9 +26,11 @@ def build_parser() -> ArgumentParser:
 
 def main() -> None:
     """Prepare ROS, then run the node."""
+    end_quietly_on_interrupt()
     own, ros = split_ros_arguments(sys.argv[1:])
-    build_parser().parse_args(own)
-    prepare_executable()
+    if own:
+        build_parser().parse_args(own)
+    prepare()
     from .muscle_state_publisher import main
 
     with mistakes_in_one_line(PROGRAM):

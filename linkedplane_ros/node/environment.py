@@ -24,10 +24,12 @@ BOOTSTRAPPED = '_ROS_WHEELS_BOOTSTRAP_COMPLETE'
 RESTARTED = '_LINKEDPLANE_ROS_RESTARTED'  # a process id: a restart keeps it, a child has another
 
 
-def prepare_executable() -> None:
-    """Prepare an executable; until ROS handles signals, they end the process quietly."""
+def end_quietly_on_interrupt() -> None:
+    """Let Ctrl-C end an executable at once and without a traceback, until ROS handles signals.
+
+    It is called before anything is imported that takes long to load.
+    """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    prepare()
 
 
 def prepare() -> None:

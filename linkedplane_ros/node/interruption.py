@@ -7,6 +7,7 @@ rclpy's handlers only mark ROS as shut down, which is seen when the node spins.
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -14,31 +15,46 @@ from types import FrameType
 from rclpy.signals import install_signal_handlers, uninstall_signal_handlers
 
 ENDING = (signal.SIGINT, signal.SIGTERM)
+RETRY = 0.2  # s
 
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Raise KeyboardInterrupt inside when a signal asks the process to end; once.
+    """Raise KeyboardInterrupt inside when a signal asks the process to end, and so end the block.
 
-    rclpy must be initialised. It handles the signals again afterwards.
+    Python drops, with a traceback, what is raised in a callback of C code, as the compiler has
+    them; so it is raised again until the block is left. rclpy must be initialised. It handles the
+    signals again afterwards.
     """
-    interrupted = False
+    interrupted = left = False
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
         interrupted = True
         for each in ENDING:  # Ctrl-C reaches a launched node twice
             signal.signal(each, signal.SIG_IGN)
+        if not left:
+            signal.setitimer(signal.ITIMER_REAL, RETRY)
         raise KeyboardInterrupt
 
+    def report_dropped(dropped: sys.UnraisableHookArgs) -> None:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+            report(dropped)
+
     uninstall_signal_handlers()
-    before = {number: signal.signal(number, interrupt) for number in ENDING}
+    before = {each: signal.signal(each, interrupt) for each in (*ENDING, signal.SIGALRM)}
+    report, sys.unraisablehook = sys.unraisablehook, report_dropped
     try:
         yield
-        if interrupted:  # Python drops what is raised in a callback of C code
-            raise KeyboardInterrupt
     finally:
-        if not interrupted:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-            install_signal_handlers()
+        left = True
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        if interrupted:  # whatever has become of what was raised
+            # Python's own mark that a text was interrupted while it was evaluated, as those of
+            # namedtuple, would end the process by SIGINT after all; the next text clears it
+            exec('')
+            raise KeyboardInterrupt
+        sys.unraisablehook = report
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        install_signal_handlers()

@@ -4,14 +4,15 @@
 import sys
 
 from ..node.command_line import mistakes_in_one_line
-from ..node.environment import prepare_executable
+from ..node.environment import end_quietly_on_interrupt, prepare
 from .arguments import parse_arguments
 
 
 def main() -> None:
     """Prepare ROS, then run the viewer."""
+    end_quietly_on_interrupt()
     parse_arguments(sys.argv)  # what is wrong in them needs no ROS
-    prepare_executable()
+    prepare()
     from .main import main
 
     with mistakes_in_one_line('muscle_viewer'):

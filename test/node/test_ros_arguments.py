@@ -90,7 +90,8 @@ def forbid() -> None:
 
 def replace_preparation(monkeypatch: pytest.MonkeyPatch, by: Callable[[], None]) -> None:
     for module in (muscle_state_publisher, muscle_viewer, demo):
-        monkeypatch.setattr(module, 'prepare_executable', by)
+        monkeypatch.setattr(module, 'end_quietly_on_interrupt', prepare_nothing)
+        monkeypatch.setattr(module, 'prepare', by)
 
 
 @pytest.mark.parametrize('behind', [[], ['--ros-args'], ['--ros-args', '-p', 'side:=left']])
