@@ -39,14 +39,21 @@ def read_messages(bag: Path) -> list[Sent]:
 
 
 def write_bag(
-    bag: Path, sent: Sequence[Sent], plugin: StoragePlugin = MCAP, compress: str = ''
+    bag: Path,
+    sent: Sequence[Sent],
+    plugin: StoragePlugin = MCAP,
+    compress: str = '',
+    empty: Sequence[str] = (),
 ) -> Path:
-    """Write a bag."""
+    """Write a bag; the `empty` topics of joint states have no messages."""
     writer = Writer(bag, version=9, storage_plugin=plugin)
     if compress:
         writer.set_compression(CompressionMode[compress], CompressionFormat.ZSTD)
     with writer:
-        made: dict[str, Any] = {}
+        made: dict[str, Any] = {
+            topic: writer.add_connection(topic, 'sensor_msgs/msg/JointState', typestore=STORE)
+            for topic in empty
+        }
         for topic, kind, time, data in sent:
             if topic not in made:
                 made[topic] = writer.add_connection(topic, kind, typestore=STORE)

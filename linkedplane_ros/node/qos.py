@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from rcl_interfaces.msg import SetParametersResult
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.duration import Infinite
-from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import (
@@ -24,7 +24,8 @@ from rclpy.qos import (
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from rclpy.subscription import Subscription
 
-from ..errors import LinkedPlaneError
+from ..errors import ArgumentError
+from .ros_arguments import describe_parameter_fault
 from .topics import Topic
 
 BEST_EFFORT, RELIABLE = ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE
@@ -60,15 +61,17 @@ def is_latched(publisher: Publisher) -> bool:
 
 @contextmanager
 def override_errors() -> Iterator[None]:
-    """Turn what rclpy raises for a wrong override into a LinkedPlaneError of one line."""
+    """Turn what rclpy raises for a wrong override into an ArgumentError of one line."""
     try:
         yield
     except RCLError:
         raise
-    except (InvalidQosOverridesError, InvalidParameterTypeException) as error:
-        raise LinkedPlaneError(str(error)) from None
+    except ParameterException as error:
+        raise ArgumentError(describe_parameter_fault(error)) from None
+    except InvalidQosOverridesError as error:
+        raise ArgumentError(str(error)) from None
     except RuntimeError as error:
-        raise LinkedPlaneError(
+        raise ArgumentError(
             f'{error}; history: keep_last or keep_all; reliability: reliable or best_effort; '
             'durability: volatile or transient_local'
         ) from None

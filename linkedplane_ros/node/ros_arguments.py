@@ -86,11 +86,16 @@ def argument_errors() -> Iterator[None]:
     try:
         yield
     except ParameterException as error:
-        raise ArgumentError(str(error).rpartition(': ')[0]) from None  # it ends with its name
+        raise ArgumentError(describe_parameter_fault(error)) from None
     except RCLError as error:
         if not rclpy.ok():  # a signal came in the middle of a call
             raise
         raise ArgumentError(explain_fault(str(error))) from None
+
+
+def describe_parameter_fault(error: ParameterException) -> str:
+    """Return what rclpy says of a parameter, without the parameter's name that it appends."""
+    return str(error).rpartition(': ')[0]
 
 
 def warn_of_unknown_parameters(node: Node) -> None:

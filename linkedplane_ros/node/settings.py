@@ -90,9 +90,10 @@ def check_values(values: Mapping[str, Any]) -> dict[str, Any]:
         )
     frame = checked['frame_id']
     if not frame or frame.startswith('/'):
+        fault = "starts with '/'" if frame else 'is empty'
         raise LinkedPlaneError(
             f'parameter frame_id: {frame!r} given, the name of a frame expected; tf2 has none '
-            "that starts with '/'"
+            f'that {fault}'
         )
     return checked
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sqlite3
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -28,6 +28,7 @@ from .topics import moment_arm_names
 
 ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}
 TABLE_ENDINGS = {'.csv': 'csv', '.parquet': 'parquet'}
+FACTS_BEGIN = b'made_by: linkedplane_ros '
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +159,15 @@ def table_rows(solved: SolvedChunk) -> tuple[Floats, Bytes]:
 def facts_file(path: Path) -> Path:
     """Return the file beside a plain CSV that has its facts: of `a.csv`, `a.csv.facts.yaml`."""
     return path.with_name(f'{path.name}.facts.yaml')
+
+
+def is_facts_file(path: Path) -> bool:
+    """Return whether a path is a file of facts, as `CsvOutput` writes it."""
+    with suppress(OSError):
+        if path.is_file() and not path.is_symlink():
+            with path.open('rb') as file:
+                return file.read(len(FACTS_BEGIN)) == FACTS_BEGIN
+    return False
 
 
 class CsvOutput:

@@ -25,6 +25,8 @@ from ..types import Floats
 from .outputs import facts_file
 from .topics import BAND, COORDINATE, moment_arm_names, read_label
 
+FACTS_DRAWN = ('muscle', 'side', 'joint_convention', 'heads')
+
 
 def read_processed(path: Path) -> ProcessedRecording:
     """Read a processed recording.
@@ -46,7 +48,13 @@ def read_processed(path: Path) -> ProcessedRecording:
     try:
         facts, columns = read_parquet(path) if path.suffix.lower() == '.parquet' else read_csv(path)
         return assemble(path, facts, columns)
-    except (KeyError, ValueError, UnicodeDecodeError) as error:
+    except RecordingError:
+        raise
+    except KeyError as error:
+        raise RecordingError(
+            f'{path}: not an output of linkedplane process: no {error} in it'
+        ) from None
+    except (AttributeError, TypeError, ValueError) as error:
         raise RecordingError(
             f'{path}: not an output of linkedplane process: {str(error).splitlines()[0]}'
         ) from None
@@ -66,17 +74,25 @@ def read_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
         names = next(csv.reader([line]), [])
         values = [[float(cell) if cell else np.nan for cell in row] for row in csv.reader(file)]
     numbers = np.array(values, dtype=np.float64).reshape(len(values), len(names))
-    if not facts and facts_file(path).is_file():
-        facts = read_facts(facts_file(path))
+    if not facts and any(name.startswith('band_lengths/') for name in names):
+        facts = read_facts(path)
     return facts, dict(zip(names, numbers.T, strict=True))
 
 
-def read_facts(path: Path) -> dict[str, str]:
+def read_facts(table: Path) -> dict[str, str]:
     """Return the facts that stand in a file beside a plain CSV."""
+    path = facts_file(table)
     try:
-        return dict(yaml.safe_load(path.read_text(encoding='utf-8')))
+        facts = dict(yaml.safe_load(path.read_text(encoding='utf-8')))
+    except FileNotFoundError:
+        raise RecordingError(f'{table}: {path.name} is not beside it') from None
+    except OSError as error:
+        raise RecordingError(f'{path}: cannot be read: {error.strerror}') from None
     except (yaml.YAMLError, TypeError, ValueError):
-        raise RecordingError(f'{path.name}: not YAML of the form name: value') from None
+        raise RecordingError(f'{path}: not YAML of the form name: value') from None
+    if missing := [name for name in FACTS_DRAWN if name not in facts]:
+        raise RecordingError(f'{path}: no {missing[0]!r} in it')
+    return facts
 
 
 def read_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
@@ -165,7 +181,7 @@ def assemble(
     arms = [columns[f'moment_arms/{name}'] for name in moment_arm_names(bands, coordinates)]
     times = columns['time']
     if not len(times):
-        raise RecordingError('no frames in it')
+        raise RecordingError(f'{path}: no frames in it')
     return ProcessedRecording(
         title=f'{path.name}: {facts["muscle"]}, {facts["side"]}, {facts["joint_convention"]}',
         heads={head: tuple(names) for head, names in json.loads(facts['heads']).items()},

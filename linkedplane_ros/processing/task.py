@@ -35,6 +35,7 @@ from .outputs import (
     SolvedChunk,
     choose_format,
     facts_file,
+    is_facts_file,
     replace_output,
 )
 
@@ -204,11 +205,13 @@ def _run(task: Task, progress: Progress) -> Report:
     if target == source or target in source.parents:
         raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
     kind = choose_format(task.target, options.kind)
-    targets = [task.target]
+    targets, facts = [task.target], facts_file(task.target)
     if options.plain:
         if kind != 'csv':
             raise RecordingError(f'{task.target}: --plain is for .csv; the output is {kind}')
-        targets.append(facts_file(task.target))
+        if facts.exists() and not is_facts_file(facts):
+            raise RecordingError(f'{facts}: exists, and --plain did not write it: not replaced')
+        targets.append(facts)
     motion = open_motion(task)
     motion.keeps_records = motion.keeps_records and kind == 'bag'
     frames = outside = 0
@@ -226,8 +229,8 @@ def _run(task: Task, progress: Progress) -> Report:
         if not frames:
             first = next(iter(motion.refused.first.values()), 'no frames in it')
             raise RecordingError(f'{task.source}: nothing was usable: {first}')
-    if options.force and not options.plain:
-        facts_file(task.target).unlink(missing_ok=True)  # of a plain CSV that was there before
+    if kind == 'csv' and options.force and not options.plain and is_facts_file(facts):
+        facts.unlink()  # of a plain CSV that was there before
     refused = motion.refused
     return Report(
         task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside

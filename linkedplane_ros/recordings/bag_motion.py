@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap, JointMemory, Rejected
-from .bags import JOINT_STATE, choose_joint_topic, deserialize_message, open_bag
+from .bags import JOINT_STATE, choose_joint_topic, deserialize_message, open_bag, read_topics
 from .motion import ROWS, Chunk, Frame, Refusals
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
 
@@ -134,7 +134,7 @@ class BagMotion:
             If the bag has no such topic, or several of which none was chosen.
         """
         with closing(open_bag(path)) as reader:
-            topics = {(each.topic, each.msgtype) for each in reader.connections}
+            topics = read_topics(reader)
         chosen = choose_joint_topic(path, topics, topic, '--topic')
         return BagMotion(path, JointFrameReader(chosen, JointMemory(joints)))
 

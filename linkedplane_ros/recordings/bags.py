@@ -35,7 +35,7 @@ class Recording:
 
     path: Path
     topics: tuple[str, ...]
-    """The topics of its JointStates."""
+    """The topics of its JointStates, without those that have none."""
     start: int
     """The time of its first message of any kind, ns since the epoch."""
     end: int
@@ -64,7 +64,7 @@ class Recording:
             if not count:
                 kinds = ', '.join(sorted({c.msgtype for c in reader.connections})) or 'nothing'
                 raise RecordingError(f'{path}: no {JOINT_STATE} in it, but {kinds}')
-            topics = tuple(sorted({c.topic for c in chosen}))
+            topics = tuple(sorted({c.topic for c in chosen if c.msgcount}))
             return Recording(path, topics, reader.start_time, reader.end_time, count)
 
     def messages(self, start_offset: float = 0.0) -> Iterator[RecordedMessage]:
@@ -91,7 +91,7 @@ class Recording:
 
 
 def list_topics(path: Path) -> set[tuple[str, str]]:
-    """Return the topics of a bag, each with its type.
+    """Return the topics of a bag that have messages, each with its type.
 
     Parameters
     ----------
@@ -106,13 +106,23 @@ def list_topics(path: Path) -> set[tuple[str, str]]:
     listing = path / 'metadata.yaml'
     if not listing.is_file():
         with closing(open_bag(path)) as reader:
-            return {(each.topic, each.msgtype) for each in reader.connections}
+            return read_topics(reader)
     try:
         facts = yaml.safe_load(listing.read_text(encoding='utf-8'))['rosbag2_bagfile_information']
-        topics = [each['topic_metadata'] for each in facts['topics_with_message_count']]
+        counted = facts['topics_with_message_count']
+        topics = [each['topic_metadata'] for each in counted if each['message_count']]
         return {(str(each['name']), str(each['type'])) for each in topics}
     except (KeyError, OSError, TypeError, UnicodeDecodeError, yaml.YAMLError):
         raise RecordingError(f'{listing}: not the metadata of a rosbag2') from None
+
+
+def read_topics(reader: Any) -> set[tuple[str, str]]:
+    """Return the topics of an open bag that have messages, each with its type.
+
+    All, if none has: an .mcap file need not say how many messages a topic has.
+    """
+    counted = [each for each in reader.connections if each.msgcount]
+    return {(each.topic, each.msgtype) for each in counted or reader.connections}
 
 
 def choose_joint_topic(

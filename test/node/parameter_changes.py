@@ -52,7 +52,7 @@ WRONG: list[tuple[str, Any, str]] = [
     ('joint_offsets', [0.0, 0.0, math.inf], '3 finite numbers expected'),
     ('joint_offsets', [0.0] * 4, '3 finite numbers expected'),
     ('joint_offsets', [True, False, True], '3 finite numbers expected'),
-    ('frame_id', '', 'the name of a frame expected'),
+    ('frame_id', '', 'the name of a frame expected; tf2 has none that is empty'),
     ('frame_id', 7, 'text expected'),
     ('frame_id', '/scapula', "tf2 has none that starts with '/'"),
     ('markers.enabled', 1, 'true or false expected'),

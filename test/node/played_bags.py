@@ -44,10 +44,13 @@ def notes(count: int = 3) -> list[Sent]:
     ]
 
 
-def write_bag(folder: Path, messages: Sequence[Sent], plugin: str = 'mcap') -> Path:
-    """Write a recording."""
+def write_bag(
+    folder: Path, messages: Sequence[Sent], plugin: str = 'mcap', empty: Sequence[str] = ()
+) -> Path:
+    """Write a recording; the `empty` topics of joint states have no messages."""
     with Writer(folder, version=9, storage_plugin=PLUGINS[plugin]) as writer:
-        connections = {}
+        kind = 'sensor_msgs/msg/JointState'
+        connections = {t: writer.add_connection(t, kind, typestore=TYPES) for t in empty}
         for topic, time, data in messages:
             if topic not in connections:
                 kind = 'std_msgs/msg/String' if topic == '/notes' else 'sensor_msgs/msg/JointState'

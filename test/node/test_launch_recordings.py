@@ -75,6 +75,12 @@ def test_of_several_topics_of_joint_states_one_is_played_to_the_node(
     ]
 
 
+def test_a_topic_without_messages_is_not_played(tmp_path: Path) -> None:
+    topics = '/joint_states', '/human/joint_states'
+    bag = write_metadata(tmp_path / 'bag', *topics, empty=['/joint_states'])
+    assert played(DELTOID, bag=bag)[-1] == '/human/joint_states:=/joint_states'
+
+
 def test_a_recordings_path_is_as_the_user_types_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,7 +99,8 @@ def test_a_recordings_file_alone_is_played(tmp_path: Path) -> None:
 
 @requires('rosbags')
 def test_the_topic_in_a_recordings_file_is_found(tmp_path: Path) -> None:
-    folder = played_bags.write_bag(tmp_path / 'bag', played_bags.joint_states('/recorded'))
+    sent = played_bags.joint_states('/recorded')
+    folder = played_bags.write_bag(tmp_path / 'bag', sent, empty=['/joint_states'])
     [file] = folder.glob('*.mcap')
     assert played(DELTOID, bag=str(file))[-1] == '/recorded:=/joint_states'
 

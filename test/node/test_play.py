@@ -54,6 +54,11 @@ def listen(ros: None) -> Iterator[Callable[..., Listener]]:
         node.destroy_node()
 
 
+def test_no_subscriber_is_awaited_on_a_topic_without_messages(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / 'bag', joint_states('/recorded'), empty=['/joint_states'])
+    assert Recording.from_bag(bag).topics == ('/recorded',)
+
+
 def test_every_joint_state_arrives_byte_by_byte_in_order_and_nothing_else_does(
     listen: Callable[..., Listener], tmp_path: Path
 ) -> None:

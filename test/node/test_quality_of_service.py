@@ -13,6 +13,7 @@ from ros_harness import Peer, together
 from sensor_msgs.msg import JointState
 from visualization_msgs.msg import MarkerArray
 
+from linkedplane_ros.errors import ArgumentError
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
 NAMES = ('flexion', 'abduction', 'rotation')
@@ -79,7 +80,7 @@ def test_the_cure_for_a_latched_subscriber_is_one(peer: Peer) -> None:
     [
         ('/joint_states.subscription.reliability', 'fast', 'reliable or best_effort'),
         ('/joint_states.subscription.depth', -3, '1 or more expected'),
-        ('/joint_states.subscription.depth', 'deep', 'expecting type .*INTEGER'),
+        ('/joint_states.subscription.depth', 'deep', "expecting type 'INTEGER'$"),
         ('/deltoid/markers.publisher.durability', 'eternal', 'volatile or transient_local'),
     ],
 )
@@ -87,7 +88,7 @@ def test_a_wrong_override_of_a_quality_of_service_is_one_line(
     ros: None, override: str, value: Any, right: str
 ) -> None:
     parameter = Parameter(f'qos_overrides.{override}', value=value)
-    with pytest.raises(ValueError, match=right) as caught:
+    with pytest.raises(ArgumentError, match=right) as caught:
         MuscleStatePublisher(parameter_overrides=[parameter])
     assert '\n' not in str(caught.value)
 

@@ -180,6 +180,12 @@ def test_a_name_that_is_too_long_is_refused_in_one_line(word: str, name: str, ro
 NODE = ['linkedplane_ros.node']
 LATE = [  # what ROS refuses only when it, or the node, starts
     (NODE, '-p', 'use_sim_time:=maybe', "'use_sim_time' to 'maybe'"),
+    (
+        NODE,
+        '-p',
+        'qos_overrides./joint_states.subscription.depth:=x',
+        "subscription.depth' to 'x' of type 'STRING', expecting type 'INTEGER'\n",
+    ),
     (NODE, '--enclave', 'abc', 'Enclave name is not valid'),
     (NODE, '--log-config-file', '/absent', 'external configuration'),
     (

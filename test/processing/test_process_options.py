@@ -194,7 +194,7 @@ def test_the_facts_of_a_plain_table_are_replaced_with_it_alone(
 ) -> None:
     source = write_bag(tmp_path / 'in', odd_motion())
     table, facts = tmp_path / 'out.csv', tmp_path / 'out.csv.facts.yaml'
-    facts.write_text('side: left\n')
+    facts.write_text('made_by: linkedplane_ros 0.1\nside: left\n')
     line = refusal_line(capsys, str(source), str(table), '--plain')
     assert f'{facts}: exists; --force to replace it' in line
     assert not table.exists()
@@ -203,6 +203,49 @@ def test_the_facts_of_a_plain_table_are_replaced_with_it_alone(
     assert exit_status([str(source), str(table), '--force']) == 0
     assert not facts.exists()  # the facts are in the table again
     assert read_processed(table).bands
+
+
+@pytest.mark.parametrize('target', ['out.csv', 'out.parquet', 'out'])
+def test_a_file_named_as_facts_stays_where_process_did_not_write_it(
+    tmp_path: Path, target: str
+) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    foreign = tmp_path / f'{target}.facts.yaml'
+    foreign.write_text('precious\n')
+    assert exit_status([str(source), str(tmp_path / target), '--force']) == 0
+    assert foreign.read_text() == 'precious\n'
+
+
+def test_the_facts_of_another_output_stay_beside_a_bag(tmp_path: Path) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    facts = tmp_path / 'out.facts.yaml'
+    facts.write_text('made_by: linkedplane_ros 0.1\n')
+    assert exit_status([str(source), str(tmp_path / 'out'), '--force']) == 0
+    assert facts.exists()
+
+
+def test_a_folder_named_as_facts_stays(tmp_path: Path) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    (tmp_path / 'out.csv.facts.yaml').mkdir()
+    assert exit_status([str(source), str(tmp_path / 'out.csv'), '--force']) == 0
+    assert (tmp_path / 'out.csv.facts.yaml').is_dir()
+
+
+@pytest.mark.parametrize('folder', [True, False])
+@pytest.mark.parametrize('force', [[], ['--force']])
+def test_only_facts_are_replaced_by_facts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: bool, force: list[str]
+) -> None:
+    source = write_bag(tmp_path / 'in', odd_motion())
+    table, foreign = tmp_path / 'out.csv', tmp_path / 'out.csv.facts.yaml'
+    if folder:
+        foreign.mkdir()
+    else:
+        foreign.write_text('precious\n')
+    line = refusal_line(capsys, str(source), str(table), '--plain', *force)
+    assert f'{foreign}: exists, and --plain did not write it: not replaced' in line
+    assert not table.exists()
+    assert foreign.is_dir() or foreign.read_text() == 'precious\n'
 
 
 def test_a_failure_leaves_neither_a_plain_table_nor_its_facts(
@@ -231,6 +274,49 @@ def test_facts_that_cannot_be_read_are_one_line(tmp_path: Path, text: str) -> No
     with pytest.raises(RecordingError, match=r'out\.csv\.facts\.yaml: not YAML') as caught:
         read_processed(tmp_path / 'out.csv')
     assert '\n' not in str(caught.value)
+
+
+def test_a_topic_without_messages_is_not_chosen(tmp_path: Path) -> None:
+    sent = [('/human/joint_states', *rest) for _, *rest in (joint_state(0), joint_state(1))]
+    source = write_bag(tmp_path / 'in', sent, empty=['/joint_states'])
+    assert exit_status([str(source), str(tmp_path / 'out.csv')]) == 0
+    assert '# topic: /human/joint_states\n' in (tmp_path / 'out.csv').read_text()
+
+
+def plain_table(folder: Path) -> tuple[Path, Path]:
+    """Write a plain table; return it and the file of its facts."""
+    source, table = write_bag(folder / 'in', odd_motion()), folder / 'out.csv'
+    assert exit_status([str(source), str(table), '--plain']) == 0
+    return table, folder / 'out.csv.facts.yaml'
+
+
+def plot_refusal(table: Path) -> str:
+    """Return why an output cannot be read."""
+    with pytest.raises(RecordingError) as caught:
+        read_processed(table)
+    return str(caught.value)
+
+
+def test_a_plain_table_without_its_facts_says_what_is_missing(tmp_path: Path) -> None:
+    table, facts = plain_table(tmp_path)
+    facts.unlink()
+    assert plot_refusal(table) == f'{table}: out.csv.facts.yaml is not beside it'
+    facts.mkdir()
+    assert plot_refusal(table) == f'{facts}: cannot be read: Is a directory'
+
+
+@pytest.mark.parametrize('name', ['muscle', 'side', 'joint_convention', 'heads'])
+def test_facts_without_one_that_is_drawn_are_named_with_it(tmp_path: Path, name: str) -> None:
+    table, facts = plain_table(tmp_path)
+    held = yaml.safe_load(facts.read_text())
+    facts.write_text(yaml.safe_dump({each: held[each] for each in held if each != name}))
+    assert plot_refusal(table) == f'{facts}: no {name!r} in it'
+
+
+def test_a_table_of_something_else_is_no_output(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('time,flexion\n0,1\n')
+    line = plot_refusal(tmp_path / 'a.csv')
+    assert line == f"{tmp_path / 'a.csv'}: not an output of linkedplane process: no 'muscle' in it"
 
 
 @pytest.mark.parametrize(
