@@ -20,7 +20,7 @@ tools = [
     'pyarrow>=15.0.0',
     'pymoo>=0.6.2',
     'rich>=13.7.1',
-    'rosbags>=0.10.0',
+    'rosbags>=0.11.9',
     'scipy>=1.11.4',
 ]
 viewer = ['viser>=1.1,<2']

@@ -209,7 +209,9 @@ def test_what_ros_refuses_as_it_starts_ends_an_executable_in_one_line(
         timeout=120.0,
     )
     assert done.returncode == 2
-    assert done.stderr.count('\n') == 1
+    # a node that compiles its solver for the first time says so before
+    lines = [line for line in done.stderr.splitlines() if '[INFO]' not in line]
+    assert len(lines) == 1, done.stderr
     assert said in done.stderr
 
 
