@@ -238,7 +238,7 @@ def test_without_a_parameter_too_many_nothing_is_warned_of(
     known = ['-p', 'side:=left', '-p', 'use_sim_time:=true', '-p', 'joint_names:=[]']
     known += ['-p', 'qos_overrides./deltoid/markers.publisher.depth:=5']
     MuscleStatePublisher(cli_args=['--ros-args', *known]).destroy_node()
-    assert 'WARN' not in capfd.readouterr().err
+    assert 'no parameter' not in capfd.readouterr().err  # ROS may warn of another test's node
 
 
 PLAY = (
