@@ -53,9 +53,12 @@ class Settings:
         """
         checked = check_values(values)
         convention = JOINT_CONVENTIONS[checked['joint_convention']]
-        solvers, left_out = build_solvers(
-            list_muscles(checked['muscle']), checked['scale'], checked['side'], convention, may_fail
+        muscles, left_out = load_muscles(
+            list_muscles(checked['muscle']), checked['scale'], may_fail
         )
+        solvers = tuple(LinkedPlaneSolver(muscle, checked['side']) for muscle in muscles)
+        for solver in solvers:
+            solver.answer(convention, STILL, STILL)  # compiled before it is needed
         return Settings(
             solvers=solvers,
             left_out=left_out,
@@ -104,33 +107,34 @@ def list_muscles(value: Any) -> list[str]:
     return [str(item) for item in items] if isinstance(items, Sequence) else []
 
 
-def build_solvers(
-    muscles: Sequence[str],
-    scale: str,
-    side: str,
-    convention: JointConvention,
-    may_fail: Collection[str],
-) -> tuple[tuple[LinkedPlaneSolver, ...], dict[str, str]]:
-    """Return a solver for each muscle, and the reason for each that was left out."""
-    solvers: dict[str, LinkedPlaneSolver] = {}
-    given: dict[str, str] = {}
+def load_muscles(
+    given: Sequence[str], scale: str, may_fail: Collection[str]
+) -> tuple[list[BroadMuscle], dict[str, str]]:
+    """Return the muscles that are given, and the reason for each that was left out.
+
+    Raises
+    ------
+    LinkedPlaneError
+        If one that may not fail cannot be loaded, if none can, or if two have one name.
+
+    """
+    loaded: dict[str, BroadMuscle] = {}
+    texts: dict[str, str] = {}
     left_out: dict[str, str] = {}
-    for text in muscles:
+    for text in given:
         try:
-            solver = LinkedPlaneSolver(BroadMuscle.load(text).scaled(scale), side)
-            solver.answer(convention, STILL, STILL)  # compiled before it is needed
+            muscle = BroadMuscle.load(text).scaled(scale)
         except LinkedPlaneError as error:
             if text not in may_fail:
                 raise
             left_out[text] = str(error)
             continue
-        name = solver.muscle.name
-        if name in solvers:
+        if muscle.name in loaded:
             raise LinkedPlaneError(
-                f'parameter muscle: {given[name]!r} and {text!r} are both named {name}, the prefix '
-                'of their topics; different names expected'
+                f'parameter muscle: {texts[muscle.name]!r} and {text!r} are both named '
+                f'{muscle.name}, the prefix of their topics; different names expected'
             )
-        solvers[name], given[name] = solver, text
-    if not solvers:
+        loaded[muscle.name], texts[muscle.name] = muscle, text
+    if not loaded:
         raise LinkedPlaneError('; '.join(dict.fromkeys(left_out.values())))
-    return tuple(solvers.values()), left_out
+    return list(loaded.values()), left_out

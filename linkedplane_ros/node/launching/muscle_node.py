@@ -20,7 +20,7 @@ from launch import LaunchContext
 from ...errors import LinkedPlaneError
 from ...muscle.broad_muscle import BroadMuscle
 from ..parameters import Value
-from ..settings import check_values, list_muscles
+from ..settings import check_values, list_muscles, load_muscles
 from ..topics import JOINT_STATES, NODE_NAME
 from .arguments import PARAMETERS, check_parameters
 from .parameter_file import read_parameter_file
@@ -135,15 +135,8 @@ def check_node(input_topic: str, parameters: Mapping[str, Any]) -> None:
             "and '/'"
         ) from None
     checked = check_values(parameters)
-    faults = []
     muscles = list_muscles(checked['muscle'])
-    for muscle in muscles:
-        try:
-            BroadMuscle.load(muscle).scaled(checked['scale'])
-        except LinkedPlaneError as fault:
-            faults.append(str(fault))
-    if len(faults) == len(muscles):  # else the node goes on without them, and says so
-        raise LinkedPlaneError('; '.join(dict.fromkeys(faults)))
+    load_muscles(muscles, checked['scale'], muscles)  # the node goes on with those that it can load
 
 
 def resolve_topic(topic: str, remappings: Iterable[tuple[str, str]], namespace: str) -> str:
