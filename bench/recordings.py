@@ -17,7 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 from linkedplane_ros.processing.cdr import JointStateSerializer
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run_task
-from linkedplane_ros.recordings.bags import JOINT_STATE
+from linkedplane_ros.recordings.bags.topics import JOINT_STATE
 
 FRAMES = 20_000
 ROUNDS = 4

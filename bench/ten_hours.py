@@ -17,7 +17,7 @@ from recordings import NAMES, STORE
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from linkedplane_ros.processing.cdr import JointStateSerializer
-from linkedplane_ros.recordings.bags import JOINT_STATE
+from linkedplane_ros.recordings.bags.topics import JOINT_STATE
 
 RATE = 100  # Hz
 LIMIT = 300.0  # MiB

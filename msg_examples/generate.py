@@ -17,7 +17,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
-from linkedplane_ros.recordings.bags import JOINT_STATE
+from linkedplane_ros.recordings.bags.topics import JOINT_STATE
 from linkedplane_ros.types import Floats
 
 START = 1_700_000_000  # s since the epoch: when the scripted recording begins

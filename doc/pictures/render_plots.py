@@ -24,7 +24,9 @@ import numpy as np
 
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run_task
-from linkedplane_ros.recordings.bags import JOINT_STATE, deserialize_message, open_bag
+from linkedplane_ros.recordings.bags.messages import deserialize_message
+from linkedplane_ros.recordings.bags.opening import open_bag
+from linkedplane_ros.recordings.bags.topics import JOINT_STATE
 
 TOP = Path(__file__).parents[2]
 RAISE = TOP / 'msg_examples' / 'arm_raise'

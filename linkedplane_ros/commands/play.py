@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Play a recording's joint states."""
-    from ..recordings.bags import Recording
+    from ..recordings.bags.recording import Recording
 
     recording = Recording.from_bag(args.bag)
     length = 1e-9 * (recording.end - recording.start)

@@ -23,7 +23,7 @@ from sensor_msgs.msg import JointState
 from ..errors import LinkedPlaneError
 from ..muscle.broad_muscle import BroadMuscle
 from ..processing.topics import ANSWERS
-from ..recordings.bags import Recording
+from ..recordings.bags.recording import Recording
 from .messages import message_class
 from .ros_arguments import argument_errors, initialise_ros, warn_of_unknown_parameters
 from .topics import DIAGNOSTICS, OUTPUTS

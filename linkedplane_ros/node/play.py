@@ -14,7 +14,7 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from ..recordings.bags import Recording
+from ..recordings.bags.recording import Recording
 from . import qos
 from .ros_arguments import argument_errors, warn_of_unknown_parameters
 from .topics import CLOCK

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..processing.topics import ANSWERS, MARKERS, Topic
-from ..recordings.bags import JOINT_STATE
+from ..recordings.bags.topics import JOINT_STATE
 
 NODE_NAME = 'muscle_state_publisher'
 JOINT_STATES = Topic(

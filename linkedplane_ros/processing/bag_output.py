@@ -11,7 +11,8 @@ from typing import Any
 
 from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC, RateLimiter
 from ..errors import RecordingError
-from ..recordings.bags import JOINT_STATE, open_bag
+from ..recordings.bags.opening import open_bag
+from ..recordings.bags.topics import JOINT_STATE
 from .cdr import AnswerSerializer, JointStateSerializer
 from .cdr_markers import MarkerSerializer
 from .outputs import OutputDescription, SolvedChunk

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import RecordingError
-from ..recordings.bags import JOINT_STATE
+from ..recordings.bags.topics import JOINT_STATE
 from ..types import Bytes, Floats, Stamps
 from .topics import (
     ANSWERS,

@@ -19,7 +19,8 @@ from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, Rejected
 from ..libraries import advise_install
 from ..recordings.bag_motion import JointFrameReader
-from ..recordings.bags import deserialize_message, open_bag
+from ..recordings.bags.messages import deserialize_message
+from ..recordings.bags.opening import open_bag
 from ..recordings.motion import Frame
 from ..types import Floats
 from .outputs import facts_file

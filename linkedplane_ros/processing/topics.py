@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..recordings.bags import JOINT_STATE
+from ..recordings.bags.topics import JOINT_STATE
 
 BAND, COORDINATE, AXIS = 'band', 'coordinate', 'axis'
 FLOAT_ARRAY, UINT8_ARRAY = 'std_msgs/msg/Float64MultiArray', 'std_msgs/msg/UInt8MultiArray'

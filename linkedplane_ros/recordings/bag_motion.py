@@ -14,7 +14,9 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap, JointMemory, Rejected
-from .bags import JOINT_STATE, choose_joint_topic, deserialize_message, open_bag, read_topics
+from .bags.messages import deserialize_message
+from .bags.opening import open_bag
+from .bags.topics import JOINT_STATE, choose_joint_topic, read_topics
 from .motion import ROWS, Chunk, Frame, Refusals
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
 

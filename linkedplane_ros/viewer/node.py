@@ -27,7 +27,7 @@ from visualization_msgs.msg import MarkerArray
 
 from ..joints.joint_state import JointMemory, Rejected
 from ..processing.topics import FLOAT_ARRAY, MARKERS, read_label
-from ..recordings.bags import JOINT_STATE
+from ..recordings.bags.topics import JOINT_STATE
 from ..types import Floats
 from .newest import MARKERS_KEPT, MuscleInfo, NewestState
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from linkedplane_ros.node.demo import sample_folder
-from linkedplane_ros.recordings.bags import Recording
+from linkedplane_ros.recordings.bags.recording import Recording
 
 
 def test_the_recording_of_the_demonstration_is_found_from_the_sources() -> None:

@@ -18,7 +18,7 @@ from sensor_msgs.msg import JointState
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.errors import LinkedPlaneError
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.recordings.bags import Recording
+from linkedplane_ros.recordings.bags.recording import Recording
 
 EXACT = 1e-12  # m: the node computes what the solver computes
 NAMES = ('flexion', 'abduction', 'rotation')

@@ -17,7 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros import JOINT_CONVENTIONS, WrapState
-from linkedplane_ros.recordings.bags import Recording
+from linkedplane_ros.recordings.bags.recording import Recording
 
 EXAMPLES = Path(__file__).parents[2] / 'msg_examples'
 TYPES = get_typestore(Stores.ROS2_JAZZY)

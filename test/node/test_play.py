@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros.node.play import await_acknowledgement, time_message
-from linkedplane_ros.recordings.bags import Recording
+from linkedplane_ros.recordings.bags.recording import Recording
 
 START = 1_700_000_000_000_000_000  # ns since the epoch
 STEP = 50_000_000  # ns

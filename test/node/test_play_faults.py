@@ -11,7 +11,7 @@ from played_bags import Player, joint_states, notes, write_bag
 
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.recordings.bags import Recording
+from linkedplane_ros.recordings.bags.recording import Recording
 
 
 def nothing(path: Path) -> Path:

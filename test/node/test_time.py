@@ -20,7 +20,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from linkedplane_ros.drawing.shapes import RateLimiter
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.recordings.bags import Recording
+from linkedplane_ros.recordings.bags.recording import Recording
 
 NAMES = ('flexion', 'abduction', 'rotation')
 BAG = Path(__file__).parents[2] / 'msg_examples' / 'arm_raise'

@@ -19,7 +19,7 @@ from linkedplane_ros.libraries import REQUIREMENTS, ROSDEP_KEYS, advise_install
 from linkedplane_ros.processing.outputs import ParquetOutput
 from linkedplane_ros.processing.reading import read_parquet
 from linkedplane_ros.processing.workers import run_on_cluster
-from linkedplane_ros.recordings.bags import open_bag
+from linkedplane_ros.recordings.bags.opening import open_bag
 from linkedplane_ros.recordings.filters import filter_lowpass
 
 KEYS = {  # in rosdistro's rosdep/python.yaml; pyarrow, pymoo, viser and dask have none there

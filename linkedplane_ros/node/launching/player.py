@@ -14,7 +14,7 @@ from posixpath import join
 from launch.actions import ExecuteProcess
 
 from ...errors import LinkedPlaneError, RecordingError
-from ...recordings.bags import JOINT_STATE, choose_joint_topic, list_topics
+from ...recordings.bags.topics import JOINT_STATE, choose_joint_topic, list_topics
 from ..parameters import is_finite_number
 from .arguments import parse_argument
 
