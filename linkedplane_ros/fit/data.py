@@ -13,7 +13,10 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..muscle.broad_muscle import BroadMuscle
-from ..recordings.tables import csv_rows, find_column, join_names, open_lines, parse_number
+from ..recordings.tables.cells import parse_number
+from ..recordings.tables.columns import find_column, join_names
+from ..recordings.tables.header import csv_rows
+from ..recordings.tables.lines import open_lines
 from ..types import Floats
 from .measurements import MOTIONS, Data, Measurement
 

@@ -13,7 +13,8 @@ from ..joints.joint_state import FULL_CIRCLE, JointMap
 from ..types import Bools, Floats
 from .filters import differentiate
 from .motion import ROWS, Chunk, Refusals, seconds_to_nanoseconds
-from .tables import Table, find_joint_columns
+from .tables.columns import find_joint_columns
+from .tables.table import Table
 
 
 class TableMotion:

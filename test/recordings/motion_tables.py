@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.recordings.tables import Table
+from linkedplane_ros.recordings.tables.table import Table
 from linkedplane_ros.types import Floats
 
 JOINTS = ('plane_elv', 'shoulder_elv', 'axial_rot')

@@ -12,7 +12,8 @@ import pytest
 from motion_tables import CSV, MOT, read_all, read_fault, write_table
 
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.recordings.tables import LONGEST_LINE, Table
+from linkedplane_ros.recordings.tables.lines import LONGEST_LINE
+from linkedplane_ros.recordings.tables.table import Table
 
 NOBODY = 65534  # a user without rights
 

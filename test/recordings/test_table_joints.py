@@ -7,7 +7,7 @@ import pytest
 from motion_tables import JOINTS
 
 from linkedplane_ros.errors import RecordingError
-from linkedplane_ros.recordings.tables import find_joint_columns
+from linkedplane_ros.recordings.tables.columns import find_joint_columns
 
 OPENSIM = (
     '/jointset/shoulder/plane_elv/value',

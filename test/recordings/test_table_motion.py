@@ -16,7 +16,7 @@ from unhurried import unhurried
 
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.recordings.filters import differentiate, filter_lowpass, resample
-from linkedplane_ros.recordings.tables import Table
+from linkedplane_ros.recordings.tables.table import Table
 from linkedplane_ros.types import Floats
 
 

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from motion_tables import CSV, JOINTS, MOT, read_all, write_table
 from unhurried import unhurried
 
-from linkedplane_ros.recordings.tables import Table, find_joint_columns
+from linkedplane_ros.recordings.tables.columns import find_joint_columns
+from linkedplane_ros.recordings.tables.table import Table
 
 
 @pytest.mark.parametrize('motion', ['abduction', 'flexion'])
