@@ -1,37 +1,179 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that appear when they are complete, and files that disappear."""
+"""Files and folders that appear when they are complete, and what a killed run leaves of them."""
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import LinkedPlaneError
 
+PART = '.part'  # the ending of the folder in which an output is written
+
 
 @contextmanager
-def replace_when_complete(path: Path, error: type[LinkedPlaneError]) -> Iterator[Path]:
-    """Give a file to write to, which takes the place of `path` at the end of the block.
+def replace_when_complete(
+    path: Path, error: type[LinkedPlaneError], may_replace: bool = True
+) -> Iterator[Path]:
+    """Give a path to write to, which takes the place of `path` at the end of the block.
+
+    What was written is on the disk by then, also if the power fails. What is there before is kept
+    if the block fails.
 
     Parameters
     ----------
     path
-        Where the file is to appear; what is there before is kept if the block fails.
+        Where the file or folder is to appear.
     error
-        What is raised where the file cannot be written.
+        What is raised where it cannot be written, or another run is writing it.
+    may_replace
+        Whether a file or folder that is there is replaced; otherwise `error` is raised.
     """
-    part = path.with_name(f'.{path.name}.{os.getpid()}.part')
     try:
-        yield part
-        os.replace(part, path)
+        with claim_output(path, error) as workshop:
+            if not may_replace and os.path.lexists(path):
+                raise FileExistsError
+            yield workshop / path.name  # the final name: a bag writes it into its files
+            synchronise(workshop)
+            move_complete(workshop / path.name, path, may_replace)
+            synchronise_path(path.parent)
+    except FileExistsError:
+        raise error(f'{path}: exists; --force to replace it') from None
     except OSError as fault:
         raise error(f'{path}: cannot be written: {fault.strerror or fault}') from None
+
+
+@contextmanager
+def claim_output(path: Path, error: type[LinkedPlaneError]) -> Iterator[Path]:
+    """Give a folder beside `path` to write in; `path` is this run's until the end of the block.
+
+    The folder is removed then. One that a killed run left is emptied and used.
+
+    Parameters
+    ----------
+    path
+        The output.
+    error
+        What is raised if another run has claimed it, or the folder cannot be made.
+    """
+    workshop, lock = workshop_of(path), None
+    try:
+        while lock is None:
+            with suppress(FileExistsError):
+                workshop.mkdir(mode=0o700)
+            lock = lock_folder(workshop)
+    except BlockingIOError:
+        raise error(f'{path}: another run is writing it') from None
+    except OSError as fault:
+        raise error(f'{path}: cannot be written: {fault.strerror or fault}') from None
+    try:
+        for left in workshop.iterdir():
+            remove_path(left)
+        yield workshop
     finally:
-        with suppress(OSError):  # where there is nothing to remove
-            part.unlink()
+        remove_path(workshop)
+        os.close(lock)
+
+
+def workshop_of(path: Path) -> Path:
+    """Return the folder in which an output is written before it is complete."""
+    return path.with_name(f'.{path.name}{PART}')
+
+
+def lock_folder(folder: Path) -> int | None:
+    """Return the lock of a folder of ours; None if it is not there any more.
+
+    Raises
+    ------
+    BlockingIOError
+        If somebody else has the lock.
+    OSError
+        If it is a link, no folder, or belongs to somebody else.
+    """
+    try:
+        lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    except FileNotFoundError:
+        return None
+    try:
+        if os.fstat(lock).st_uid != os.geteuid():
+            raise PermissionError(None, f'{folder} belongs to somebody else')
+        take_lock(lock)
+        if os.path.samestat(os.fstat(lock), folder.stat(follow_symlinks=False)):
+            return lock
+    except FileNotFoundError:
+        pass
+    except OSError:
+        os.close(lock)
+        raise
+    os.close(lock)
+    return None
+
+
+def take_lock(descriptor: int) -> None:
+    """Lock an open folder until it is closed; BlockingIOError if somebody else has it."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise
+    except OSError:
+        pass  # a file system without locks: the last run wins
+
+
+def move_complete(new: Path, path: Path, may_replace: bool) -> None:
+    """Move a file or folder to its place; FileExistsError if something is there that must stay."""
+    if may_replace:
+        old = new.with_name(f'{new.name}.replaced')  # a folder replaces an empty one only
+        if new.is_dir() and path.is_dir():
+            path.rename(old)
+        try:
+            new.replace(path)
+        except OSError:
+            if old.exists():
+                old.rename(path)
+            raise
+        return
+    try:
+        if new.is_dir():
+            new.rename(path)  # fails where there is more than an empty folder
+        else:
+            os.link(new, path)  # unlike a move, it replaces nothing
+    except OSError:
+        if os.path.lexists(path):
+            raise FileExistsError from None
+        new.rename(path)  # a file system without links
+
+
+def synchronise(path: Path) -> None:
+    """Wait until a file, or a folder and all in it, is on the disk."""
+    for folder, _, names in os.walk(path):
+        for name in names:
+            synchronise_path(Path(folder, name))
+        synchronise_path(Path(folder))
+
+
+def synchronise_path(path: Path) -> None:
+    """Wait until a file's content, or a folder's names, are on the disk."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def find_abandoned(folders: Iterable[Path]) -> list[Path]:
+    """Return what killed runs left in folders: those that nobody writes in now."""
+    abandoned = []
+    for folder in sorted(folders):
+        for path in sorted(folder.glob(f'.*{PART}')):
+            with suppress(OSError):
+                if (lock := lock_folder(path)) is not None:
+                    os.close(lock)
+                    abandoned.append(path)
+    return abandoned
 
 
 def remove_path(path: Path) -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import LinkedPlaneError
+from ..files import claim_output
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.validity import check_topic_name
 from ..solver.range_check import DEFAULT_RANGE
@@ -22,7 +23,6 @@ from .progress import ProgressBar
 
 if TYPE_CHECKING:
     from ..fit.criterion import Criterion
-    from ..fit.files import Files
     from ..fit.measurements import Data
     from ..fit.report import FinishedFit
     from ..fit.search.checkpoint import Checkpoint
@@ -64,11 +64,13 @@ def run(args: argparse.Namespace) -> None:
         args.seed,
     )
     checkpoint = Checkpoint(files.checkpoint, fit_fingerprint(criterion, plan, watch))
-    state = _read_state(args, files, checkpoint)
-    result = _search(criterion, plan, watch, args.jobs, checkpoint, state)
-    outcome = _describe_outcome(args, name, (muscle, before), data, criterion, result)
-    files.write_outcome(outcome)
-    checkpoint.remove()
+    files.check_overwriting(Path(args.data), args.force or args.resume)
+    with claim_output(files.model, LinkedPlaneError):
+        state = _read_state(args, checkpoint)
+        result = _search(criterion, plan, watch, args.jobs, checkpoint, state)
+        outcome = _describe_outcome(args, name, (muscle, before), data, criterion, result)
+        files.write_outcome(outcome)
+        checkpoint.remove()
     _print_summary(outcome)
     print(*files.results, sep='\n')
 
@@ -148,11 +150,8 @@ def _describe_outcome(
     )
 
 
-def _read_state(
-    args: argparse.Namespace, files: Files, checkpoint: Checkpoint
-) -> dict[str, Any] | None:
-    """Return the state to resume from, if any; refuse to overwrite a file."""
-    files.check_overwriting(Path(args.data), args.force or args.resume)
+def _read_state(args: argparse.Namespace, checkpoint: Checkpoint) -> dict[str, Any] | None:
+    """Return the state to resume from, if any; refuse to overwrite that of another fit."""
     if args.resume:
         return checkpoint.read()
     if not args.force and checkpoint.path.exists():

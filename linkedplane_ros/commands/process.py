@@ -6,19 +6,21 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from ..errors import LinkedPlaneError
+from ..files import find_abandoned, workshop_of
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
 from .argument_types import add_muscle, add_scale, add_side, positive_count, positive_number, sign
 from .progress import ProgressBar
 
 if TYPE_CHECKING:
-    from ..processing.task import Report
+    from ..processing.task import Report, Task
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -127,6 +129,7 @@ def run(args: argparse.Namespace) -> None:
             out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise LinkedPlaneError(f'{out}: no folder to write into: {error.strerror}') from None
+    name_abandoned(tasks)
     failed = 0
     with sigterm_as_exit(), ProgressBar() as bar:
 
@@ -141,6 +144,15 @@ def run(args: argparse.Namespace) -> None:
         print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {out}')
     if failed or faults:
         raise SystemExit(1)
+
+
+def name_abandoned(tasks: Sequence[Task]) -> None:
+    """Print what killed runs left in the folders of the outputs, and how to remove it."""
+    reused = {workshop_of(task.target) for task in tasks}
+    for path in find_abandoned({task.target.parent for task in tasks}):
+        remedy = 'it is removed now' if path in reused else f'remove it: rm -r {quote(str(path))}'
+        print(f'linkedplane: warning: {path}: left by a run that was killed; {remedy}',
+              file=sys.stderr)  # fmt: skip
 
 
 def print_report(report: Report) -> None:

@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 from ..errors import LinkedPlaneError
+from ..files import synchronise
 from .figure import draw_fit, draw_trade_off
 from .report import FinishedFit, report_text
 
@@ -70,6 +71,7 @@ class Files:
                     draw_trade_off(outcome, file)
                 names = {title: path.name for title, path in self.pictures.items()}
                 report.write_text(report_text(outcome, names), encoding='utf-8')
+                synchronise(Path(folder))
                 for file, path in zip(beside, self.results, strict=True):
                     os.replace(file, path)
         except OSError as error:

@@ -104,7 +104,7 @@ def build_tasks(
     Returns
     -------
     tasks, faults
-        A line is a recording whose output would replace another's.
+        A line is a recording whose output would replace another's, or a recording.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def build_tasks(
         If the target of several recordings is a table.
     """
     if single and (not target.is_dir() or is_bag(target)):
-        return [Task(source, target, options) for source in sources], []
+        return keep_sources([Task(source, target, options) for source in sources], sources)
     if target.suffix.lower() in TABLE_ENDINGS:
         raise RecordingError(f'{target}: a folder expected for several recordings; --format csv?')
     kind = options.kind or 'bag'
@@ -127,4 +127,26 @@ def build_tasks(
             )
         else:
             made[into] = Task(source, into, replace(options, kind=kind))
-    return list(made.values()), faults
+    tasks, endangered = keep_sources(list(made.values()), sources)
+    return tasks, faults + endangered
+
+
+def keep_sources(tasks: Sequence[Task], sources: Sequence[Path]) -> tuple[list[Task], list[str]]:
+    """Return the tasks that write into no source, and a line for each other one."""
+    named = {source.resolve(): source for source in sources}
+    safe, faults = [], []
+    for task in tasks:
+        target = task.target.resolve()
+        touched = [
+            name
+            for path, name in named.items()
+            if path == target or path in target.parents or target in path.parents
+        ]
+        if touched:
+            faults.append(
+                f'{task.source}: its output {task.target} is, holds or lies in the recording '
+                f'{touched[0]}; another output expected'
+            )
+        else:
+            safe.append(task)
+    return safe, faults

@@ -6,7 +6,6 @@ Each output is written beside its final place and moved there when it is complet
 
 from __future__ import annotations
 
-import os
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -18,7 +17,7 @@ import numpy as np
 import yaml
 
 from ..errors import RecordingError
-from ..files import remove_path
+from ..files import replace_when_complete
 from ..libraries import advise_install
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Chunk
@@ -99,29 +98,11 @@ def replace_output(path: Path, force: bool, bag: bool = False) -> Iterator[Path]
         raise RecordingError(f'{path}: a file; a bag is a folder')
     if not path.parent.is_dir():
         raise RecordingError(f'{path}: no folder {path.parent} to write into')
-    beside = partial_folder(path, os.getpid())
     try:
-        remove_path(beside)
-        beside.mkdir()
-        yield beside / path.name  # the final name: a bag writes it into its files
-        if path.is_dir():
-            path.rename(beside / 'replaced')
-        try:
-            (beside / path.name).replace(path)
-        except OSError:
-            if (beside / 'replaced').exists():
-                (beside / 'replaced').rename(path)
-            raise
-    except (OSError, sqlite3.Error) as error:
-        reason = getattr(error, 'strerror', None) or error
-        raise RecordingError(f'{path}: not written: {reason}') from None
-    finally:
-        remove_path(beside)
-
-
-def partial_folder(path: Path, process: int | None) -> Path:
-    """Return the folder in which a process writes an output before it is complete."""
-    return path.with_name(f'.{path.name}.{process}.part')
+        with replace_when_complete(path, RecordingError, force) as new:
+            yield new
+    except sqlite3.Error as error:
+        raise RecordingError(f'{path}: cannot be written: {error}') from None
 
 
 def column_names(description: OutputDescription) -> list[str]:

@@ -201,9 +201,6 @@ def _run(task: Task, progress: Progress) -> Report:
     solver = LinkedPlaneSolver(muscle, options.side)
     convention.rotation((0.0, 0.0, 0.0))
     begin = perf_counter()  # all is compiled
-    target, source = task.target.resolve(), task.source.resolve()
-    if target == source or target in source.parents:
-        raise RecordingError(f'{task.source}: is, or lies in, its own output {task.target}')
     kind = choose_format(task.target, options.kind)
     targets, facts = [task.target], facts_file(task.target)
     if options.plain:

@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordingError
-from ..files import remove_path
+from ..files import claim_output
 from ..libraries import advise_install
-from .outputs import partial_folder
 from .task import Progress, Report, Task, report_failure, run_task
 
 # a fresh interpreter: threads and compiled code do not outlive a fork well
@@ -154,7 +153,11 @@ def run_in_processes(
                     idle.append(worker)
                 except (EOFError, OSError):
                     worker.end()
-                    remove_path(partial_folder(task.target, worker.process.pid))
+                    with (
+                        suppress(OSError, RecordingError),
+                        claim_output(task.target, RecordingError),
+                    ):
+                        pass  # what it was writing is removed
                     code = worker.process.exitcode
                     report = Report(task, fault=f'{task.source}: its process died, status {code}')
                     idle.append(Worker(board))

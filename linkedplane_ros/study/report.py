@@ -7,7 +7,6 @@ tables and pictures.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from inspect import cleandoc
@@ -16,7 +15,7 @@ from pathlib import Path
 from .. import __version__
 from ..drawing.figure_files import house_style
 from ..errors import RecordingError
-from ..files import remove_path
+from ..files import claim_output, synchronise, workshop_of
 from .chapters.experiments import experiments_chapter
 from .chapters.fidelity import fidelity_chapter
 from .chapters.interference import interference_chapter
@@ -33,7 +32,7 @@ CHAPTERS: Sequence[Callable[[Subject], Chapter]] = (
     rivals_chapter,
 )
 
-REPORT = 'report.md'
+REPORT, STUDY = 'report.md', 'study'
 TITLE = '# Study of '  # begins every report
 FOLDERS = ('tables', 'figures')
 PATTERNS = (REPORT, 'tables/*.csv', 'figures/*.png', 'figures/*.gif')  # what a study writes
@@ -70,7 +69,8 @@ def write_study(subject: Subject, folder: Path, force: bool = False, animated: b
 
 def check_folder(folder: Path, force: bool) -> None:
     """Raise RecordingError if a folder's content may not be replaced by a study."""
-    if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+    workshop = workshop_of(folder / STUDY)  # maybe of a run that was killed
+    if not folder.exists() or (folder.is_dir() and set(folder.iterdir()) <= {workshop}):
         return
     if not folder.is_dir():
         raise RecordingError(f'{folder}: a file; a folder expected')
@@ -80,6 +80,7 @@ def check_folder(folder: Path, force: bool) -> None:
     if not force:
         raise RecordingError(f'{folder}: holds a study; --force to replace it')
     ours = {path for pattern in PATTERNS for path in folder.glob(pattern)}
+    ours |= {workshop, *workshop.rglob('*')}
     others = (path for path in folder.rglob('*') if path not in ours)
     foreign = next((each for each in others if not (each.is_dir() and each.name in FOLDERS)), None)
     if foreign is not None:
@@ -92,21 +93,22 @@ def replace_content(folder: Path) -> Iterator[Path]:
 
     The folder itself stays: it may be a mount point, or a shell's current folder.
     """
-    made, workshop = not folder.exists(), folder / f'.study.{os.getpid()}.part'
-    new, old = workshop / 'new', workshop / 'old'
+    made = not folder.exists()
     try:
         if made:
             folder.mkdir()
-        new.mkdir(parents=True)
-        old.mkdir()
-        yield new
-        for source, target in ((folder, old), (new, folder)):
-            for path in [each for each in source.iterdir() if each != workshop]:
-                path.rename(target / path.name)
+        with claim_output(folder / STUDY, RecordingError) as workshop:
+            new, old = workshop / 'new', workshop / 'old'
+            new.mkdir()
+            old.mkdir()
+            yield new
+            synchronise(new)
+            for source, target in ((folder, old), (new, folder)):
+                for path in [each for each in source.iterdir() if each != workshop]:
+                    path.rename(target / path.name)
     except OSError as error:
         raise RecordingError(f'{folder}: not written: {error.strerror or error}') from None
     finally:
-        remove_path(workshop)
         if made and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +15,7 @@ from optional import requires
 from random_muscles import random_poses
 
 from linkedplane_ros import BroadMuscle
+from linkedplane_ros.errors import LinkedPlaneError
 from linkedplane_ros.fit.criterion import Criterion, Weights
 from linkedplane_ros.fit.parameters import Bound, build_space
 from linkedplane_ros.fit.search.checkpoint import Checkpoint
@@ -214,12 +216,33 @@ def test_a_checkpoint_of_another_fit_is_refused(tmp_path: Any) -> None:
         checkpoint(file, Plan(8, 4, 2, 4, seed=9)).read()
 
 
-@pytest.mark.parametrize('text', ['', '{}', '[1]', '{"format": "x"}'])
+@pytest.mark.parametrize('text', ['', '{}', '[1]', '{"format": "x"}', '[' * 10**6, '\xff'])
 def test_what_is_no_checkpoint_is_told_in_one_line(tmp_path: Any, text: str) -> None:
     file = tmp_path / 'a.checkpoint'
-    file.write_text(text)
-    with pytest.raises(ValueError, match=r'^\S+a\.checkpoint: not a checkpoint of a fit$'):
+    file.write_text(text, encoding='latin-1')
+    with pytest.raises(ValueError, match=r'^\S+a\.checkpoint: not a checkpoint of a fit, or cut$'):
         checkpoint(file).read()
+
+
+def test_a_flipped_digit_of_a_checkpoint_is_noticed(tmp_path: Any) -> None:
+    file = tmp_path / 'a.checkpoint'
+    checkpoint(file).write({'values': [0.125]})
+    file.write_text(file.read_text().replace('0.125', '0.135'))
+    with pytest.raises(ValueError, match=r'^\S+a\.checkpoint: damaged; --force'):
+        checkpoint(file).read()
+
+
+@pytest.mark.parametrize('name', ['a.checkpoint', '.a.checkpoint.part'])
+def test_a_checkpoint_is_not_written_through_a_link(tmp_path: Any, name: str) -> None:
+    precious = tmp_path / 'precious'
+    precious.mkdir()
+    (precious / 'a.checkpoint').write_text('precious')
+    link = tmp_path / name
+    link.symlink_to(precious / 'a.checkpoint' if name == 'a.checkpoint' else precious)
+    with suppress(LinkedPlaneError):
+        checkpoint(tmp_path / 'a.checkpoint').write({})
+    assert (precious / 'a.checkpoint').read_text() == 'precious'
+    assert [each.name for each in precious.iterdir()] == ['a.checkpoint']
 
 
 def test_a_checkpoint_that_is_not_there_is_told_in_one_line(tmp_path: Any) -> None:

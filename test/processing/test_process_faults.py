@@ -119,7 +119,7 @@ def test_a_full_disk_is_one_line(tmp_path: Path, name: str, storage: StoragePlug
     ended = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
     assert ended.returncode == 1
     assert ended.stderr.count('\n') == 1, ended.stderr
-    assert f'{name}: not written: ' in ended.stderr
+    assert f'{name}: cannot be written: ' in ended.stderr
     assert [each.name for each in tmp_path.iterdir()] == ['in']
 
 

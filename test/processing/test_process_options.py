@@ -43,7 +43,9 @@ def test_a_recording_is_not_its_own_output(
     source = tmp_path / 'in.csv'
     source.write_text('time,flexion,abduction,rotation\n0,0.1,0.2,0.3\n')
     before = source.read_bytes()
-    assert 'its own output' in refusal_line(capsys, str(source), str(source), '--force')
+    assert 'is, holds or lies in the recording' in refusal_line(
+        capsys, str(source), str(source), '--force'
+    )
     assert source.read_bytes() == before
 
 

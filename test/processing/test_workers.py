@@ -11,6 +11,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,11 @@ def parts(folder: Path) -> list[Path]:
     return list(folder.glob('.*.part'))
 
 
+def is_writing(process: int) -> bool:
+    """Return whether a process has a folder open in which an output is written."""
+    return any('.part' in os.readlink(each) for each in Path(f'/proc/{process}/fd').iterdir())
+
+
 @needs_proc
 def test_a_worker_that_dies_costs_its_recording_alone(tmp_path: Path) -> None:
     sources = long_recordings(tmp_path, 3)
@@ -109,8 +115,8 @@ def test_a_worker_that_dies_costs_its_recording_alone(tmp_path: Path) -> None:
         collected = pool.submit(list, reports)
         while not parts(tmp_path / 'out'):
             time.sleep(0.01)
-        dying = int(parts(tmp_path / 'out')[0].name.split('.')[-2])
-        os.kill(dying, signal.SIGKILL)
+        workers = [each.pid for each in active_children() if each.pid is not None]
+        os.kill(next(filter(is_writing, workers)), signal.SIGKILL)
         done = collected.result()
     faults = [report.fault for report in done if report.fault]
     assert len(done) == 3

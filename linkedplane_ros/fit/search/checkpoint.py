@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import time
@@ -45,7 +46,8 @@ class Checkpoint:
 
     def write(self, state: dict[str, Any]) -> None:
         """Write a state, in types that JSON has; LinkedPlaneError where it cannot be written."""
-        text = json.dumps({'format': FORMAT, 'fit': self.fingerprint, 'state': state})
+        content = {'format': FORMAT, 'fit': self.fingerprint, 'digest': digest(state)}
+        text = json.dumps(content | {'state': state})
         with replace_when_complete(self.path, LinkedPlaneError) as part:
             part.write_text(text, encoding='utf-8')
         self._written = time.monotonic()
@@ -53,14 +55,20 @@ class Checkpoint:
     def read(self) -> dict[str, Any]:
         """Return the state on disk; LinkedPlaneError if it cannot be read, or is of another fit."""
         try:
+            if self.path.exists() and not self.path.is_file():
+                raise KeyError
             content = json.loads(self.path.read_text(encoding='utf-8'))
             if content['format'] != FORMAT:
                 raise KeyError
             fit, state = content['fit'], dict(content['state'])
+            if content['digest'] != digest(state):
+                raise LinkedPlaneError(
+                    f'{self.path}: damaged; --force instead of --resume starts again'
+                )
         except OSError as error:
             raise LinkedPlaneError(f'{self.path}: cannot be read: {error.strerror}') from None
-        except (ValueError, KeyError, TypeError):
-            raise LinkedPlaneError(f'{self.path}: not a checkpoint of a fit') from None
+        except (KeyError, RecursionError, TypeError, UnicodeDecodeError, json.JSONDecodeError):
+            raise LinkedPlaneError(f'{self.path}: not a checkpoint of a fit, or cut') from None
         if fit != self.fingerprint:
             raise LinkedPlaneError(
                 f'{self.path}: of another fit: the model, the data or an option differs'
@@ -71,3 +79,8 @@ class Checkpoint:
     def remove(self) -> None:
         """Remove the file, if it is there."""
         self.path.unlink(missing_ok=True)
+
+
+def digest(state: dict[str, Any]) -> str:
+    """Return what tells a state from every other one."""
+    return hashlib.sha256(json.dumps(state).encode()).hexdigest()
