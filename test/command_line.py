@@ -13,9 +13,17 @@ from linkedplane_ros.commands.main import main
 PROGRAM = [sys.executable, '-m', 'linkedplane_ros.commands']
 
 
+def exit_status(*arguments: Any) -> int:
+    """Return the exit status of a command, however it ends."""
+    try:
+        return main([str(argument) for argument in arguments])
+    except SystemExit as end:
+        return int(end.code or 0)
+
+
 def command_output(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
     """Return what a command that must do its work prints."""
-    assert main([str(argument) for argument in arguments]) == 0
+    assert exit_status(*arguments) == 0
     out, err = capsys.readouterr()
     assert err == ''
     return out
@@ -23,7 +31,7 @@ def command_output(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
 
 def command_fault(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:
     """Return the one line of a command whose input is at fault."""
-    assert main([str(argument) for argument in arguments]) == 1
+    assert exit_status(*arguments) == 1
     out, err = capsys.readouterr()
     assert out == ''
     assert err.startswith('linkedplane: ')

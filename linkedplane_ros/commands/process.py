@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     # fmt: off
     add = parser.add_argument
     add('inputs', nargs='+', metavar='INPUT',
-        help='bags, .mot, .sto or .csv files, folders of them, or patterns like *.mot')
+        help='bags, .mot, .sto, .csv or .tsv files, folders of them, or patterns like *.mot')
     add('out', metavar='OUT', help='a bag, .csv or .parquet; a folder for several inputs')
     add('--format', dest='kind', choices=('bag', 'csv', 'parquet'),
         help="of the output (default: by OUT's ending, else bag)")

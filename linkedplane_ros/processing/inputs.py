@@ -9,11 +9,10 @@ from glob import glob, has_magic
 from pathlib import Path
 
 from ..errors import RecordingError
+from ..recordings.formats import ENDINGS_READ, METADATA
 from .options import Options
 from .outputs import ENDINGS, TABLE_ENDINGS
-from .task import TABLES, Task
-
-ENDINGS_READ = (*TABLES, '.mcap', '.db3')
+from .task import Task
 
 
 def find_recordings(named: Iterable[str]) -> tuple[list[Path], list[str]]:
@@ -77,7 +76,7 @@ def is_recording(path: Path) -> bool:
 
 def is_bag(path: Path) -> bool:
     """Return whether a path is a bag's folder."""
-    return (path / 'metadata.yaml').is_file()
+    return (path / METADATA).is_file()
 
 
 def plain_name(path: Path) -> str:

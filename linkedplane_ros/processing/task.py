@@ -20,6 +20,7 @@ from ..errors import LinkedPlaneError, RecordingError
 from ..joints.conventions import JointConvention
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
+from ..recordings.formats import TABLES, check_format
 from ..recordings.motion import Chunk, Motion, Refusals
 from ..recordings.smoothing import SmoothedMotion
 from ..recordings.table_motion import TableMotion
@@ -38,8 +39,6 @@ from .outputs import (
     is_facts_file,
     replace_output,
 )
-
-TABLES = ('.mot', '.sto', '.csv')
 
 
 @dataclass(frozen=True)
@@ -75,6 +74,7 @@ def open_motion(task: Task) -> Motion:
     options, source = task.options, task.source
     convention, bones = options.joint_convention, options.bones
     motion: Motion
+    check_format(source)
     if source.suffix.lower() in TABLES:
         if bones is not None:
             raise RecordingError(f'{source}: a table has no frames; --humerus is for bags')

@@ -96,7 +96,7 @@ def make_a_hole(path: Path) -> None:
 FAULTY = [
     (nothing, 'bag', 'no such file or folder'),
     (nothing, 'bag.mcap', 'no such file or folder'),
-    (a_text, 'notes.txt', 'not a readable rosbag2'),
+    (a_text, 'notes.txt', 'text by its ending; if it is a table'),
     (a_text, 'notes.mcap', 'not a readable rosbag2'),
     (a_text, 'notes.db3', 'not a readable rosbag2'),
     (a_text, 'old.bag', 'a ROS 1 bag; convert it with rosbags-convert first'),

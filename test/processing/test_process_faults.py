@@ -163,7 +163,7 @@ def test_what_cannot_be_used_does_not_keep_the_others_from_being_done(
     error = capsys.readouterr().err
     assert error.splitlines() == [
         f'linkedplane: {tmp_path / "empty"}: no recordings in it '
-        '(bags, .mot, .sto, .csv, .mcap, .db3)',
+        '(bags, .mot, .sto, .csv, .tsv, .mcap, .db3)',
         f'linkedplane: {tmp_path / "no*thing"}: nothing matches',
         f'linkedplane: {good / "good.mcap"}: would become {out / "good"}, as {good} does; '
         'process them into folders of their own',

@@ -122,7 +122,7 @@ FAULTS = {
         'm.csv:3: not UTF-8; save the table as UTF-8',
     ),
     'utf-16': ('m.csv', CSV.encode('utf-16'), 'm.csv:1: not UTF-8; save the table as UTF-8'),
-    'a spreadsheet': ('m.csv', b'PK\x03\x04\x14\x00\x06\xb5', 'm.csv:1: not UTF-8'),
+    'a spreadsheet': ('m.csv', b'PK\x03\x04\x14\x00\x06\xb5', 'm.csv: an archive (ZIP'),
     'a line without end': (
         'm.csv',
         b'time,a,b\n' + b'0' * 3 * LONGEST_LINE,

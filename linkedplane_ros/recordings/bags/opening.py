@@ -8,6 +8,7 @@ from typing import Any
 
 from ...errors import RecordingError
 from ...libraries import advise_install
+from ..formats import BAGS, check_format
 
 
 def open_bag(path: Path) -> Any:
@@ -21,8 +22,7 @@ def open_bag(path: Path) -> Any:
         ) from None
     if not path.exists():
         raise RecordingError(f'{path}: no such file or folder')
-    if path.suffix == '.bag':
-        raise RecordingError(f'{path}: a ROS 1 bag; convert it with rosbags-convert first')
+    check_format(path, BAGS)
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY))
         reader.open()

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from ...errors import RecordingError
+from ..formats import HEAD, describe_refusal, foreign_content
 
 LONGEST_LINE = 2**20  # bytes of a line, thousands of columns: no file is read as a single line
 
@@ -23,6 +24,9 @@ def open_lines(path: Path) -> Iterator[tuple[Iterator[str], Callable[[], float]]
     try:
         size = max(path.stat().st_size, 1)
         with path.open('rb') as file:
+            foreign = foreign_content(path, file.peek(HEAD)[:HEAD])
+            if foreign is not None:
+                raise RecordingError(f' {describe_refusal(path, foreign)}')
             lines = decode_lines(iter(partial(file.readline, LONGEST_LINE), b''))
             yield lines, lambda: min(file.tell() / size, 1.0)
     except OSError as error:
