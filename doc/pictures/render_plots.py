@@ -24,7 +24,6 @@ import numpy as np
 
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run_task
-from linkedplane_ros.recordings.bags.messages import deserialize_message
 from linkedplane_ros.recordings.bags.opening import open_bag
 from linkedplane_ros.recordings.bags.topics import JOINT_STATE
 
@@ -37,9 +36,9 @@ def read_series(bag: Path) -> dict[str, np.ndarray]:
     """Return the points (m, 2) of each series, s and m, under PlotJuggler's name of it."""
     series = defaultdict(list)
     with closing(open_bag(bag)) as reader:
-        for connection, _, data in reader.messages():
+        for connection, _, data, *_ in reader.messages():
             if connection.msgtype == JOINT_STATE:
-                message = deserialize_message(reader, data, JOINT_STATE)
+                message = reader.read_message(connection, data)
                 stamp = message.header.stamp
                 for joint, position in zip(message.name, message.position, strict=True):
                     name = f'{connection.topic}/{joint}/position'

@@ -171,6 +171,8 @@ def print_report(report: Report) -> None:
     print(line)
     for reason, count in report.refused.items():
         print(f'  {count:,} refused as {reason}, first at {report.first[reason]}')
+    for note in report.notes:
+        print(f'  {note}')
 
 
 @contextmanager

@@ -5,14 +5,16 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from contextlib import closing, suppress
+from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC, RateLimiter
 from ..errors import RecordingError
+from ..recordings.bags.connections import Connection
 from ..recordings.bags.opening import open_bag
 from ..recordings.bags.topics import JOINT_STATE
+from .bag_writing.topic_facts import kept_topic, new_topic
+from .bag_writing.writer import BagWriter
 from .cdr import AnswerSerializer, JointStateSerializer
 from .cdr_markers import MarkerSerializer
 from .outputs import OutputDescription, SolvedChunk
@@ -39,26 +41,20 @@ class BagOutput:
 
     def __init__(self, path: Path, description: OutputDescription, source: Path | None) -> None:
         """Open the bag, and add its topics."""
-        from rosbags.rosbag2 import StoragePlugin, Writer
         from rosbags.typesys import Stores, get_typestore
 
         store = get_typestore(Stores.ROS2_JAZZY)
-        originals, plugin = [], StoragePlugin.MCAP
-        if source is not None:
-            originals = read_connections(source)
-            if any('.db3' in each.name for each in bag_files(source)):
-                plugin = StoragePlugin.SQLITE3
+        originals, storage = ([], 'mcap') if source is None else read_topics(source)
         added = added_topics(description)
         clashes = sorted(added.keys() & {each.topic for each in originals})
         if clashes:
             raise RecordingError(f'{source}: {clashes[0]} is in it already; it has been processed')
-        self._writer = Writer(path, version=9, storage_plugin=plugin)
-        for name, fact in description.facts.items():
-            self._writer.set_custom_data(name, fact)
-        self._writer.open()
-        self._kept = self._keep_connections(originals)
+        self._writer = BagWriter(path, storage, description.facts)
+        self._kept = {
+            each.id: self._writer.add_topic(kept_topic(each, store)) for each in originals
+        }
         self._added = {
-            topic: self._writer.add_connection(topic, kind, typestore=store)
+            topic: self._writer.add_topic(new_topic(topic, kind, store))
             for topic, kind in added.items()
         }
         self._description, muscle = description, description.muscle
@@ -68,24 +64,6 @@ class BagOutput:
         self._joints = JointStateSerializer(store, description.coordinates, '')
         self._markers = MarkerSerializer(store, muscle, description.frame_id, POINTS_ON_ARC)
         self._limiter = RateLimiter(MARKER_RATE)
-
-    def _keep_connections(self, originals: Sequence[Any]) -> dict[int, Any]:
-        """Add the connections of the source; return them by their numbers in the source."""
-        kept: dict[int, Any] = {}
-        by_topic: dict[tuple[str, str], Any] = {}  # merged files may have several of one topic
-        for each in originals:
-            key = each.topic, each.msgtype
-            if key not in by_topic:
-                by_topic[key] = self._writer.add_connection(
-                    each.topic,
-                    each.msgtype,
-                    msgdef=each.msgdef.data,
-                    rihs01=each.digest or type_hash(each),
-                    serialization_format=each.ext.serialization_format,
-                    offered_qos_profiles=each.ext.offered_qos_profiles,
-                )
-            kept[each.id] = by_topic[key]
-        return kept
 
     def write(self, solved: SolvedChunk) -> None:
         """Append a chunk: each message, and after it the answers to its frames."""
@@ -102,14 +80,14 @@ class BagOutput:
         write = self._writer.write
         for number, record in enumerate((None, *chunk.records), -1):
             if record is not None:
-                connection, time, data = record
-                write(self._kept[connection.id], time, data)
+                connection, time, data, sent, sequence = record
+                write(self._kept[connection.id], time, data, sent, sequence)
             for k in after[number]:
-                for connection, data in answers[k]:
-                    write(connection, times[k], data)
+                for topic, data in answers[k]:
+                    write(topic, times[k], data)
 
-    def _serialize_answers(self, solved: SolvedChunk) -> list[list[tuple[Any, bytes]]]:
-        """Return, for each frame, the connections and the messages written to them."""
+    def _serialize_answers(self, solved: SolvedChunk) -> list[list[tuple[int, bytes]]]:
+        """Return, for each frame, the numbers of topics and the messages written to them."""
         chunk, states, description = solved.chunk, solved.states, self._description
         messages: dict[str, list[bytes]] = {}
         if description.angles_topic:
@@ -126,15 +104,15 @@ class BagOutput:
         )
         for topic, each in answers.items():
             messages[f'/{description.muscle.name}/{topic}'] = each
-        connections = [self._added[topic] for topic in messages]
+        numbers = [self._added[topic] for topic in messages]
         frames = zip(*messages.values(), strict=True)
-        return [list(zip(connections, each, strict=True)) for each in frames]
+        return [list(zip(numbers, each, strict=True)) for each in frames]
 
     def _append_markers(
-        self, solved: SolvedChunk, answers: Sequence[list[tuple[Any, bytes]]]
+        self, solved: SolvedChunk, answers: Sequence[list[tuple[int, bytes]]]
     ) -> None:
         """Append the markers to the answers of those frames that get some."""
-        connection = self._added[f'/{self._description.muscle.name}/{MARKERS.name}']
+        number = self._added[f'/{self._description.muscle.name}/{MARKERS.name}']
         stamps, times = solved.chunk.stamps.tolist(), solved.chunk.times.tolist()
         chosen = [
             k
@@ -145,18 +123,11 @@ class BagOutput:
             [solved.states[k] for k in chosen], [stamps[k] for k in chosen]
         )
         for k, message in zip(chosen, messages, strict=True):
-            answers[k].append((connection, message))
+            answers[k].append((number, message))
 
     def close(self) -> None:
         """Finish."""
-        file = getattr(self._writer.storage, 'bio', None)  # of an MCAP
-        try:
-            self._writer.close()
-        except OSError:
-            if file is not None:
-                with suppress(OSError):  # Python would say it later, when it drops the file
-                    file.close()
-            raise
+        self._writer.finish()
 
 
 def added_topics(description: OutputDescription) -> dict[str, str]:
@@ -170,24 +141,7 @@ def added_topics(description: OutputDescription) -> dict[str, str]:
     return added
 
 
-def read_connections(bag: Path) -> list[Any]:
-    """Return the connections of a bag: its topics, with types and quality of service."""
-    with closing(open_bag(bag)) as reader:
-        return list(reader.connections)
-
-
-def type_hash(connection: Any) -> str:
-    """Return the hash of a message type, for a bag without it; empty for an unknown type."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    store = get_typestore(Stores.ROS2_JAZZY)
-    if connection.msgtype not in store.fielddefs and not connection.msgdef.data:
-        return ''
-    if connection.msgtype not in store.fielddefs:
-        store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
-    return str(store.hash_rihs01(connection.msgtype))
-
-
-def bag_files(bag: Path) -> list[Path]:
-    """Return the files of a bag."""
-    return list(bag.iterdir()) if bag.is_dir() else [bag]
+def read_topics(path: Path) -> tuple[list[Connection], str]:
+    """Return the topics of a bag, and how it stores its messages: mcap or sqlite3."""
+    with closing(open_bag(path)) as bag:
+        return list(bag.connections), bag.storage

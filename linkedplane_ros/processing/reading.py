@@ -19,7 +19,6 @@ from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, Rejected
 from ..libraries import advise_install
 from ..recordings.bag_motion import JointFrameReader
-from ..recordings.bags.messages import deserialize_message
 from ..recordings.bags.opening import open_bag
 from ..recordings.motion import Frame
 from ..types import Floats
@@ -157,15 +156,15 @@ def read_answers(
     frames: list[Frame] = []
     answered: list[Frame] = []
     names: dict[str, tuple[str, ...]] = {}
-    with closing(open_bag(path)) as reader:
-        for connection, time, data in reader.messages():
+    with closing(open_bag(path)) as bag:
+        for connection, time, data, *_ in bag.messages():
             topic = connection.topic
             if frame_reader.accepts(topic, connection.msgtype):
-                message = deserialize_message(reader, data, connection.msgtype)
+                message = bag.read_message(connection, data)
                 with suppress(Rejected):
                     frames = list(frame_reader.read_frames(message, topic, time))
             elif topic in wanted:
-                message = deserialize_message(reader, data, connection.msgtype)
+                message = bag.read_message(connection, data)
                 answers[wanted[topic]].append(message.data)
                 names = dict(read_label(dim.label) for dim in message.layout.dim) | names
                 if wanted[topic] == 'band_lengths':  # the first answer to a frame

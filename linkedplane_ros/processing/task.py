@@ -63,6 +63,8 @@ class Report:
     """How many frames were refused, by reason."""
     first: Mapping[str, str] = field(default_factory=dict)
     """Where each reason was first met."""
+    notes: Sequence[str] = ()
+    """What else is worth knowing, a line each."""
     outside: int = 0
     """Frames outside the range of motion of the model."""
     fault: str = ''
@@ -230,7 +232,13 @@ def _run(task: Task, progress: Progress) -> Report:
         facts.unlink()  # of a plain CSV that was there before
     refused = motion.refused
     return Report(
-        task, frames, perf_counter() - begin, dict(refused.counts), dict(refused.first), outside
+        task,
+        frames,
+        perf_counter() - begin,
+        dict(refused.counts),
+        dict(refused.first),
+        tuple(refused.notes),
+        outside,
     )
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap, JointMemory, Rejected
-from .bags.messages import deserialize_message
-from .bags.opening import open_bag
+from .bags.connections import Connection, RecordedMessage
+from .bags.opening import Bag, open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_topics
 from .motion import ROWS, Chunk, Frame, Refusals
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
@@ -26,8 +26,7 @@ BATCH_BYTES = 2**24  # of a bag's messages, held at a time
 class Batch(NamedTuple):
     """Some messages of a bag, one after the other."""
 
-    records: list[Any]
-    """connection, time (ns), bytes"""
+    records: list[RecordedMessage]
     share: float
     """Of the recording, read so far, 0 to 1."""
     last: bool = False
@@ -113,9 +112,9 @@ class BagMotion:
         self.frame_reader = frame_reader
         self.facts: Mapping[str, str] = frame_reader.facts
         self.keeps_records = True
-        with closing(open_bag(path)) as reader:
-            self.start: int = reader.start_time
-            self.count: int = reader.message_count
+        with closing(open_bag(path)) as bag:
+            self.start: int = bag.start_time
+            self.count: int = bag.message_count
 
     @staticmethod
     def from_joint_states(path: Path, joints: JointMap, topic: str | None) -> BagMotion:
@@ -135,8 +134,8 @@ class BagMotion:
         RecordingError
             If the bag has no such topic, or several of which none was chosen.
         """
-        with closing(open_bag(path)) as reader:
-            topics = read_topics(reader)
+        with closing(open_bag(path)) as bag:
+            topics = read_topics(bag)
         chosen = choose_joint_topic(path, topics, topic, '--topic')
         return BagMotion(path, JointFrameReader(chosen, JointMemory(joints)))
 
@@ -162,13 +161,13 @@ class BagMotion:
         RecordingError
             If the bag has neither poses of the frames nor /tf.
         """
-        with closing(open_bag(path)) as reader:
-            topics = {each.topic: each.msgtype for each in reader.connections}
-            if TF_TYPE not in topics.values():
-                names = bones.humerus, bones.base
-                missing = [name for name in names if topics.get(name) not in POSE_TYPES]
+        with closing(open_bag(path)) as bag:
+            topics = {(each.topic, each.kind) for each in bag.connections}
+            if TF_TYPE not in {kind for _, kind in topics}:
+                held_poses = {topic for topic, kind in topics if kind in POSE_TYPES}
+                missing = [each for each in (bones.humerus, bones.base) if each not in held_poses]
                 if missing:
-                    held = ', '.join(sorted(f'{t} ({k})' for t, k in topics.items()))
+                    held = ', '.join(sorted(f'{t} ({k})' for t, k in topics))
                     raise RecordingError(
                         f'{path}: {missing[0]} is not a topic of {" or ".join(POSE_TYPES)}, and '
                         f'there is no /tf with frames; in it: {held or "nothing"}'
@@ -177,40 +176,37 @@ class BagMotion:
 
     def batches(self) -> Iterator[Batch]:
         """Yield all messages of the bag, some at a time."""
-        with closing(open_bag(self.path)) as reader:
-            yield from self._read_batches(reader)
+        with closing(open_bag(self.path)) as bag:
+            yield from self._read_batches(bag)
 
-    def _read_batches(self, reader: Any) -> Iterator[Batch]:
-        messages = reader.messages()
+    def _read_batches(self, bag: Bag) -> Iterator[Batch]:
+        messages = bag.messages()
         read = 0
         while True:
-            records: list[Any] = []
+            records: list[RecordedMessage] = []
             held = 0  # bytes
-            try:
-                while len(records) < ROWS and held < BATCH_BYTES:
-                    connection, time, data = next(messages)
-                    records.append((connection, time, bytes(data)))
-                    held += len(data)
-            except StopIteration:
-                yield Batch(records, 1.0, last=True)
-                return
-            except Exception as error:  # a broken file breaks in many ways
-                raise RecordingError(f'{self.path}: damaged: {error}') from None
+            while len(records) < ROWS and held < BATCH_BYTES:
+                message = next(messages, None)
+                if message is None:
+                    yield Batch(records, 1.0, last=True)
+                    return
+                records.append(message)
+                held += len(message.data)
             read += len(records)
             yield Batch(records, read / max(self.count, read))
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
         number = 0
-        with closing(open_bag(self.path)) as reader:
-            for batch in self._read_batches(reader):
+        with closing(open_bag(self.path)) as bag:
+            for batch in self._read_batches(bag):
                 frames: list[Frame] = []
                 follows: list[int] = []
-                for k, (connection, time, data) in enumerate(batch.records):
-                    if not self.frame_reader.accepts(connection.topic, connection.msgtype):
+                for k, (connection, time, data, *_) in enumerate(batch.records):
+                    if not self.frame_reader.accepts(connection.topic, connection.kind):
                         continue
                     number += 1
-                    for frame in self._frames(reader, connection, time, data, number):
+                    for frame in self._frames(bag, connection, time, data, number):
                         frames.append(frame)
                         follows.append(k)
                 if batch.last:
@@ -219,18 +215,29 @@ class BagMotion:
                     frames += rest
                     follows += [len(batch.records) - 1] * len(rest)
                 yield self._chunk(frames, follows, batch)
+            self._count_losses(bag)
         for reason, count, where in self.frame_reader.unused_messages():
             self.refused.add(reason, where, count)
+
+    def _count_losses(self, bag: Bag) -> None:
+        """Count what the bag should have of the frames' messages; note what else is missing."""
+        accepts = self.frame_reader.accepts
+        read = {each.topic for each in bag.connections if accepts(each.topic, each.kind)}
+        for loss in bag.losses():
+            if loss.topic in read:
+                self.refused.add(loss.reason, loss.where, loss.number)
+            else:
+                self.refused.notes.append(f'{loss.number:,} messages not read: {loss.where}')
 
     def _position(self, number: int, time: int) -> str:
         return f'message {number}' + (f', {1e-9 * (time - self.start):.2f} s' if time else '')
 
     def _frames(
-        self, reader: Any, connection: Any, time: int, data: bytes, number: int
+        self, bag: Bag, connection: Connection, time: int, data: bytes, number: int
     ) -> Iterator[Frame]:
         """Yield the frames of a message; count it as refused if it cannot be used."""
         try:
-            message = deserialize_message(reader, data, connection.msgtype)
+            message = bag.read_message(connection, data)
         except Exception as error:
             raise RecordingError(f'{self.path}: message {number} is damaged: {error}') from None
         frames = self.frame_reader.read_frames(message, connection.topic, time)

@@ -26,6 +26,8 @@ class Refusals:
     """How many, by reason."""
     first: dict[str, str] = field(default_factory=dict)
     """Where each reason was first met."""
+    notes: list[str] = field(default_factory=list)
+    """What else is worth knowing, a line each."""
 
     def add(self, reason: str, where: str, count: int = 1) -> None:
         """Count something that cannot be used, and where it stands."""

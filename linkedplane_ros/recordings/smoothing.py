@@ -139,7 +139,7 @@ def merge_with_records(frames: Chunk, batches: Iterator[Batch]) -> Iterator[Chun
     """Yield the frames with the messages of a bag, each behind those recorded before it."""
     given = 0
     for records, share, last in batches:
-        recorded = np.array([time for _, time, _ in records], dtype=np.int64)
+        recorded = np.array([time for _, time, *_ in records], dtype=np.int64)
         # those after the last of these messages wait for the next
         end = len(frames.times)
         if not last:

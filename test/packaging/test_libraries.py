@@ -38,7 +38,7 @@ PACKAGES = {  # in rosdistro's jazzy/distribution.yaml: their names are keys
 FILE = Path('any')
 ADVICE: dict[str, tuple[str, Callable[[], Any], str]] = {
     'a bag': (
-        'rosbags.highlevel',
+        'rosbags.typesys',
         lambda: open_bag(FILE),
         'pip install rosbags (rosdep key: python3-rosbags-pip)',
     ),

@@ -9,19 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import RecordingError
+from .connections import RecordedMessage
 from .opening import open_bag
 from .topics import JOINT_STATE
-
-
-@dataclass(frozen=True)
-class RecordedMessage:
-    """One recorded message, in the bytes of the recording."""
-
-    topic: str
-    time: int
-    """When it was recorded, ns since the epoch."""
-    data: bytes
-    """CDR."""
 
 
 @dataclass(frozen=True)
@@ -53,14 +43,14 @@ class Recording:
             If it cannot be read, or holds no JointState.
         """
         path = Path(path)
-        with closing(open_bag(path)) as reader:
-            chosen = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+        with closing(open_bag(path)) as bag:
+            chosen = [c for c in bag.connections if c.kind == JOINT_STATE]
             count = sum(c.msgcount for c in chosen)
             if not count:
-                kinds = ', '.join(sorted({c.msgtype for c in reader.connections})) or 'nothing'
+                kinds = ', '.join(sorted({c.kind for c in bag.connections})) or 'nothing'
                 raise RecordingError(f'{path}: no {JOINT_STATE} in it, but {kinds}')
             topics = tuple(sorted({c.topic for c in chosen if c.msgcount}))
-            return Recording(path, topics, reader.start_time, reader.end_time, count)
+            return Recording(path, topics, bag.start_time, bag.end_time, count)
 
     def messages(self, start_offset: float = 0.0) -> Iterator[RecordedMessage]:
         """Yield the JointStates in recorded order.
@@ -76,10 +66,6 @@ class Recording:
             Where the bag is damaged.
         """
         begin = self.start + round(1e9 * start_offset)
-        with closing(open_bag(self.path)) as reader:
-            chosen = [c for c in reader.connections if c.msgtype == JOINT_STATE]
-            try:
-                for connection, time, data in reader.messages(chosen, start=begin):
-                    yield RecordedMessage(connection.topic, time, bytes(data))
-            except Exception as error:  # a broken file breaks in many ways
-                raise RecordingError(f'{self.path}: damaged: {error}') from None
+        with closing(open_bag(self.path)) as bag:
+            chosen = [c for c in bag.connections if c.kind == JOINT_STATE]
+            yield from bag.messages(chosen, start=begin)

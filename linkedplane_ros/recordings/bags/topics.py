@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import closing
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 from ...errors import RecordingError
-from .opening import open_bag
+from ..formats import METADATA
+from .connections import ros2_type_name
+from .metadata import read_metadata
+from .opening import Bag, open_bag
 
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 DEFAULT_TOPIC = '/joint_states'
@@ -30,26 +30,16 @@ def list_topics(path: Path) -> set[tuple[str, str]]:
     RecordingError
         If it cannot be read.
     """
-    listing = path / 'metadata.yaml'
-    if not listing.is_file():
-        with closing(open_bag(path)) as reader:
-            return read_topics(reader)
-    try:
-        facts = yaml.safe_load(listing.read_text(encoding='utf-8'))['rosbag2_bagfile_information']
-        counted = facts['topics_with_message_count']
-        topics = [each['topic_metadata'] for each in counted if each['message_count']]
-        return {(str(each['name']), str(each['type'])) for each in topics}
-    except (KeyError, OSError, TypeError, UnicodeDecodeError, yaml.YAMLError):
-        raise RecordingError(f'{listing}: not the metadata of a rosbag2') from None
+    if not (path / METADATA).is_file():
+        with closing(open_bag(path)) as bag:
+            return read_topics(bag)
+    topics = read_metadata(path).topics
+    return {(each.topic, ros2_type_name(each.type_name)) for each in topics if each.count}
 
 
-def read_topics(reader: Any) -> set[tuple[str, str]]:
-    """Return the topics of an open bag that have messages, each with its type.
-
-    All, if none has: an .mcap file need not say how many messages a topic has.
-    """
-    counted = [each for each in reader.connections if each.msgcount]
-    return {(each.topic, each.msgtype) for each in counted or reader.connections}
+def read_topics(bag: Bag) -> set[tuple[str, str]]:
+    """Return the topics of an open bag that have messages, each with its type."""
+    return {(each.topic, each.kind) for each in bag.connections if each.msgcount}
 
 
 def choose_joint_topic(
