@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -25,6 +26,9 @@ from .scene.muscle import MuscleScene, light_scene
 from .scene.wire import read_markers
 
 IDLE = 0.03  # s between frames without new messages
+# s that new muscles wait for others before the panels are made: viser 1.1 applies a page's updates
+# last, and one that is still loading has an error for each of a panel that is gone by then
+SETTLED = 0.25
 # HTML: what the library sends of a Markdown after it may reach a page when the text is gone
 WAITING = (
     '<p style="margin: 1em">Waiting for a muscle: '
@@ -46,6 +50,8 @@ class Viewer:
         self._scenes: dict[str, MuscleScene] = {}
         self._markers: dict[str, Markers] = {}
         self._muscles: dict[str, MuscleInfo] | None = None
+        self._found: dict[str, MuscleInfo] = {}
+        self._found_since = -math.inf
         self._panels: dict[str, MusclePanel] = {}
         self._colours: dict[str, Any] = {}
         self._cameras: Cameras | None = None
@@ -122,7 +128,11 @@ class Viewer:
         for prefix in muscles:
             if prefix not in self._scenes:
                 self._scenes[prefix] = MuscleScene(self._server, prefix)
+        if muscles != self._found:
+            self._found, self._found_since = muscles, now
         if muscles != self._muscles:
+            if now - self._found_since < SETTLED:
+                return
             self._build_panels(muscles)
         if self._look is None or self._plots is None or self._saving is None:
             return
