@@ -117,7 +117,9 @@ def test_matplotlib_is_loaded_with_a_figure_and_its_windows_and_ros_never(tmp_pa
     assert ran.stdout.splitlines() == ['', 'matplotlib']
 
 
-@pytest.mark.parametrize('name', ['out', 'out.csv', 'OUT.PARQUET'])
+@pytest.mark.parametrize(
+    'name', ['out', 'out.csv', pytest.param('OUT.PARQUET', marks=requires('pyarrow'))]
+)
 def test_every_kind_of_output_is_plotted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:

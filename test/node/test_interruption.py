@@ -85,7 +85,7 @@ def run_script(script: str, *words: str, **variables: str) -> subprocess.Complet
     [
         (['linkedplane_ros.node'], -signal.SIGINT),
         (['linkedplane_ros.node', '--help'], -signal.SIGINT),
-        (['linkedplane_ros.viewer'], -signal.SIGINT),
+        pytest.param(['linkedplane_ros.viewer'], -signal.SIGINT, marks=requires('viser')),
         (['linkedplane_ros.commands.demo'], -signal.SIGINT),
         (['linkedplane_ros.commands', 'info'], 130),
     ],

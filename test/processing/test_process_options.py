@@ -18,6 +18,7 @@ from bags import (
     text_note,
     write_bag,
 )
+from optional import requires
 
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.errors import RecordingError
@@ -207,7 +208,9 @@ def test_the_facts_of_a_plain_table_are_replaced_with_it_alone(
     assert read_processed(table).bands
 
 
-@pytest.mark.parametrize('target', ['out.csv', 'out.parquet', 'out'])
+@pytest.mark.parametrize(
+    'target', ['out.csv', pytest.param('out.parquet', marks=requires('pyarrow')), 'out']
+)
 def test_a_file_named_as_facts_stays_where_process_did_not_write_it(
     tmp_path: Path, target: str
 ) -> None:

@@ -193,7 +193,7 @@ def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> N
     assert jobs > 1 or any(0.2 < share < 0.8 for _, share in seen)
 
 
-@requires('pty')
+@requires('pty', 'rich')
 def test_on_a_terminal_the_lines_stand_alone_and_go_where_they_are_sent(tmp_path: Path) -> None:
     import pty
 
