@@ -44,7 +44,7 @@ class BagOutput:
         from rosbags.typesys import Stores, get_typestore
 
         store = get_typestore(Stores.ROS2_JAZZY)
-        originals, storage = ([], 'mcap') if source is None else read_topics(source)
+        originals, storage = ([], 'mcap') if source is None else list_bag_topics(source)
         added = added_topics(description)
         clashes = sorted(added.keys() & {each.topic for each in originals})
         if clashes:
@@ -141,7 +141,7 @@ def added_topics(description: OutputDescription) -> dict[str, str]:
     return added
 
 
-def read_topics(path: Path) -> tuple[list[Connection], str]:
+def list_bag_topics(path: Path) -> tuple[list[Connection], str]:
     """Return the topics of a bag, and how it stores its messages: mcap or sqlite3."""
     with closing(open_bag(path)) as bag:
         return list(bag.connections), bag.storage

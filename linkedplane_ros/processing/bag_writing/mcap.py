@@ -10,7 +10,7 @@ from struct import pack
 from zlib import crc32
 
 from ... import __version__
-from ...recordings.bags.connections import Definition
+from ...recordings.bags.connections import TypeDefinition
 from ...recordings.bags.mcap_records import (
     CHANNEL,
     CHUNK,
@@ -50,7 +50,7 @@ class McapWriter:
         self._file = self.path.open('xb')
         self._crc = 0
         self._place = 0
-        self._schemas: dict[tuple[str, Definition], int] = {}
+        self._schemas: dict[tuple[str, TypeDefinition], int] = {}
         self._definitions: list[tuple[int, bytes]] = []  # records of schemas and channels
         self._counts: dict[int, int] = {}
         self._start, self._end = NEVER, 0

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sqlite3
 from pathlib import Path
 
-from ...recordings.bags.connections import Definition
+from ...recordings.bags.connections import TypeDefinition
 from .topic_facts import WrittenTopic
 
 TABLES = """
@@ -44,7 +44,7 @@ class SqliteWriter:
         self._database = sqlite3.connect(self.path)
         self._database.executescript(TABLES)
         self._cursor = self._database.cursor()
-        self._defined: set[tuple[str, Definition]] = set()
+        self._defined: set[tuple[str, TypeDefinition]] = set()
 
     def add_topic(self, number: int, topic: WrittenTopic) -> None:
         """Add a topic, and the definition of its type where there is one."""

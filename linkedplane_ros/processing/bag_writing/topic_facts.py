@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from ...recordings.bags.connections import CDR, QOS, TYPE_HASH, Connection, Definition
+from ...recordings.bags.connections import CDR, QOS, TYPE_HASH, Connection, TypeDefinition
 
 DURATIONS = ('deadline', 'lifespan', 'liveliness_lease_duration')
 POLICIES = ('history', 'reliability', 'durability', 'liveliness')
@@ -19,7 +19,7 @@ class WrittenTopic(NamedTuple):
 
     topic: str
     type_name: str
-    definition: Definition
+    definition: TypeDefinition
     serialization: str
     facts: Mapping[str, str]
 
@@ -38,7 +38,7 @@ def new_topic(topic: str, type_name: str, store: Any) -> WrittenTopic:
     """Return a topic of a type that a typestore of rosbags has."""
     text, _ = store.generate_msgdef(type_name, ros_version=2)
     facts = {QOS: '', TYPE_HASH: str(store.hash_rihs01(type_name))}
-    return WrittenTopic(topic, type_name, Definition('ros2msg', text.encode()), CDR, facts)
+    return WrittenTopic(topic, type_name, TypeDefinition('ros2msg', text.encode()), CDR, facts)
 
 
 def kept_topic(connection: Connection, store: Any) -> WrittenTopic:

@@ -79,16 +79,12 @@ class BagWriter:
         """Complete the file and write metadata.yaml."""
         metadata = self._metadata()
         try:
-            self._file.finish(VERSION, dump_yaml(metadata))
+            self._file.finish(VERSION, format_metadata(metadata))
         finally:
             with suppress(OSError):  # what it could not write was raised by then
                 self._file.close()
-        text = dump_yaml({'rosbag2_bagfile_information': metadata})
+        text = format_metadata({'rosbag2_bagfile_information': metadata})
         (self._path / METADATA).write_text(text, encoding='utf-8')
-
-    def close(self) -> None:
-        """Close the file, complete or not."""
-        self._file.close()
 
     def _metadata(self) -> dict[str, Any]:
         count = sum(self._counts)
@@ -126,6 +122,6 @@ def topic_metadata(topic: WrittenTopic) -> dict[str, Any]:
     }
 
 
-def dump_yaml(content: Any) -> str:
+def format_metadata(content: Any) -> str:
     """Return YAML with one line an entry."""
     return str(yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=10**6))

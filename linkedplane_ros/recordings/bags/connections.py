@@ -12,7 +12,7 @@ TYPE_HASH = 'topic_type_hash'
 CDR = 'cdr'
 
 
-class Definition(NamedTuple):
+class TypeDefinition(NamedTuple):
     """The definition of a message type, as it stands in a recording."""
 
     encoding: str = ''
@@ -29,7 +29,7 @@ class Connection:
     topic: str
     type_name: str
     """As the recording spells it."""
-    definition: Definition
+    definition: TypeDefinition
     serialization: str
     """cdr, json, ..."""
     facts: Mapping[str, str]

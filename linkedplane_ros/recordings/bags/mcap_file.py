@@ -19,7 +19,7 @@ from zlib import crc32
 
 from ...errors import RecordingError
 from .compression import decompress
-from .connections import Connection, Definition, RecordedMessage
+from .connections import Connection, RecordedMessage, TypeDefinition
 from .mcap_records import (
     CHANNEL,
     CHUNK,
@@ -220,7 +220,7 @@ class McapFile:
 
     def _connection(self, number: int, channel: Channel, count: int) -> Connection:
         schema = self._schemas.get(channel.schema, Schema('', '', b''))
-        definition = Definition(schema.encoding, schema.text)
+        definition = TypeDefinition(schema.encoding, schema.text)
         facts = channel.facts
         return Connection(
             number, channel.topic, schema.name, definition, channel.encoding, facts, count

@@ -6,7 +6,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from .connections import Connection, Definition
+from .connections import Connection, TypeDefinition
 
 
 class MessageReader:
@@ -21,7 +21,7 @@ class MessageReader:
         from rosbags.typesys import Stores, get_typestore
 
         self._known = get_typestore(Stores.ROS2_JAZZY)
-        self._stores: dict[tuple[str, Definition], Any] = {}
+        self._stores: dict[tuple[str, TypeDefinition], Any] = {}
 
     def read_message(self, connection: Connection, data: bytes) -> Any:
         """Return a message from its bytes.
@@ -42,7 +42,7 @@ class MessageReader:
                     return store.deserialize_cdr(data[:-surplus], kind)
             raise error
 
-    def _choose_store(self, kind: str, definition: Definition) -> Any:
+    def _choose_store(self, kind: str, definition: TypeDefinition) -> Any:
         """Return the definitions by which a type is read: the bag's if it has more, else ROS's."""
         fields = dict(self._known.fielddefs[kind][1])
         own = parse_definition(kind, definition)
@@ -58,7 +58,7 @@ def split_idl(text: str) -> list[str]:
     return [each.partition('\n')[2] for each in rest] or [first]
 
 
-def parse_definition(kind: str, definition: Definition) -> Any:
+def parse_definition(kind: str, definition: TypeDefinition) -> Any:
     """Return a store of a type and all types in it; None if the definition does not give it."""
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 

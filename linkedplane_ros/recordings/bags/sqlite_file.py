@@ -19,7 +19,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...errors import RecordingError
-from .connections import CDR, QOS, TYPE_HASH, Connection, Definition, RecordedMessage
+from .connections import CDR, QOS, TYPE_HASH, Connection, RecordedMessage, TypeDefinition
 
 TABLES = ('topics', 'messages')
 UNFINISHED = ('-wal', '-journal')  # beside a database that was not closed
@@ -96,7 +96,7 @@ class SqliteFile:
                 number,
                 str(topic),
                 str(type_name),
-                definitions.get(str(type_name), Definition()),
+                definitions.get(str(type_name), TypeDefinition()),
                 str(serialization or CDR),
                 {name: fact for name, fact in facts.items() if fact},
                 counts.get(number, 0),
@@ -108,7 +108,7 @@ class SqliteFile:
         [(start, end)] = self._query('SELECT MIN(timestamp), MAX(timestamp) FROM messages')
         self.start, self.end = int(start or 0), int(end or 0)
 
-    def _read_definitions(self) -> dict[str, Definition]:
+    def _read_definitions(self) -> dict[str, TypeDefinition]:
         """Return the definitions of types; ROS distributions before Jazzy wrote none."""
         if not self._columns('message_definitions'):
             return {}
@@ -117,7 +117,7 @@ class SqliteFile:
             'ORDER BY id'
         )
         return {
-            str(name): Definition(str(encoding), str(text).encode(errors='surrogateescape'))
+            str(name): TypeDefinition(str(encoding), str(text).encode(errors='surrogateescape'))
             for name, encoding, text in rows
         }
 
