@@ -16,7 +16,7 @@ from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap, JointMemory, Rejected
 from .bags.connections import Connection, RecordedMessage
 from .bags.opening import Bag, open_bag
-from .bags.topics import JOINT_STATE, choose_joint_topic, read_topics
+from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
 from .motion import ROWS, Chunk, Frame, Refusals
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
 
@@ -127,7 +127,7 @@ class BagMotion:
         joints
             Which joints are the convention's coordinates.
         topic
-            The topic of the joint states; None: /joint_states, or the only one.
+            The topic of the joint states; None: the one that has the joints.
 
         Raises
         ------
@@ -136,8 +136,17 @@ class BagMotion:
         """
         with closing(open_bag(path)) as bag:
             topics = read_topics(bag)
-        chosen = choose_joint_topic(path, topics, topic, '--topic')
-        return BagMotion(path, JointFrameReader(chosen, JointMemory(joints)))
+            held = {name for name, kind in topics if kind == JOINT_STATE}
+            unclear = len(held) > 1 if topic is None else topic not in held
+            names = read_joint_names(bag) if unclear else None
+            others = {each.topic for each in bag.connections if each.kind == JOINT_STATE}
+        chosen = choose_joint_topic(path, topics, topic, '--topic', names, joints.names)
+        motion = BagMotion(path, JointFrameReader(chosen, JointMemory(joints)))
+        others -= {chosen}
+        if topic is None and others:
+            passed_over = ', '.join(sorted(others))
+            motion.refused.notes.append(f'joint states of {chosen}, not of {passed_over} (--topic)')
+        return motion
 
     @staticmethod
     def from_poses(

@@ -23,7 +23,7 @@ from .metadata import BagMetadata, read_metadata
 from .sqlite_file import SqliteFile
 
 SQLITE_MAGIC = b'SQLite format 3\0'
-ROS1 = 'ros1'  # a profile of MCAP
+ROS1 = 'ros1'  # a serialization in MCAP files
 
 
 class BagFile(Protocol):
@@ -160,7 +160,7 @@ class Bag:
     def is_of_ros1(self) -> bool:
         """Return whether its messages are those of ROS 1."""
         serializations = {each.serialization for each in self.connections}
-        return any(each.profile == ROS1 for each in self._files) and CDR not in serializations
+        return ROS1 in serializations and CDR not in serializations
 
     def messages(
         self, chosen: Collection[Connection] | None = None, start: int = 0
