@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import fcntl
+import gc
 import os
 import re
 import sys
@@ -85,6 +86,7 @@ def ros() -> Iterator[None]:
 
     rclpy.init()
     yield
+    gc.collect()  # a node that could not be made lives on in the error
     rclpy.try_shutdown()
 
 

@@ -97,13 +97,25 @@ class NodeProcess:
         return self.log.read_text()
 
 
+class ReleasingExecutor(SingleThreadedExecutor):
+    """Holds nothing between two waits, so that what is destroyed then is gone.
+
+    rclpy 7.1 may stop in the middle of a wait, with the handles of all nodes in use; what is
+    destroyed meanwhile stays in the graph, for ever if nobody waits again.
+    """
+
+    def release(self) -> None:
+        """End the wait that was stopped; what was ready and not yet taken is found again."""
+        self._cb_iter = None
+
+
 class Reader(Node):
     """Keeps what comes on its topics; all waiting of a test is `until` something has come."""
 
     def __init__(self, name: str, context: Any = None) -> None:
         """Work in an executor of its own, whose turns are those of `until`."""
         super().__init__(name, context=context)
-        self.executor_of_its_own = SingleThreadedExecutor(context=context)
+        self.executor_of_its_own = ReleasingExecutor(context=context)
         self.executor_of_its_own.add_node(self)
         self.readers: list[Subscription] = []
 
@@ -115,12 +127,15 @@ class Reader(Node):
     def until(self, condition: Callable[[], bool], seconds: float = PATIENCE) -> bool:
         """Read messages until the condition holds; return whether it did in time."""
         deadline = time.monotonic() + seconds
-        while not condition():
-            if time.monotonic() > deadline:
-                return False
-            self.executor_of_its_own.spin_once(timeout_sec=0.02)
-            self._take_the_rest()
-        return True
+        try:
+            while not condition():
+                if time.monotonic() > deadline:
+                    return False
+                self.executor_of_its_own.spin_once(timeout_sec=0.02)
+                self._take_the_rest()
+            return True
+        finally:
+            self.executor_of_its_own.release()
 
     def _take_the_rest(self) -> None:
         """Read what has come: an executor reads one message a turn, too slow for a stream."""
