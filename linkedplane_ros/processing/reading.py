@@ -159,7 +159,7 @@ def read_answers(
     with closing(open_bag(path)) as bag:
         for connection, time, data, *_ in bag.messages():
             topic = connection.topic
-            if frame_reader.accepts(topic, connection.msgtype):
+            if frame_reader.accepts(topic, connection.kind):
                 message = bag.read_message(connection, data)
                 with suppress(Rejected):
                     frames = list(frame_reader.read_frames(message, topic, time))
