@@ -237,6 +237,7 @@ class BagMotion:
                 self.refused.add(loss.reason, loss.where, loss.number)
             else:
                 self.refused.notes.append(f'{loss.number:,} messages not read: {loss.where}')
+        self.refused.notes += bag.surpluses()
 
     def _position(self, number: int, time: int) -> str:
         return f'message {number}' + (f', {1e-9 * (time - self.start):.2f} s' if time else '')

@@ -200,26 +200,36 @@ class Bag:
 
     def losses(self) -> Iterator[Loss]:
         """Yield what is missing, after all messages have been read."""
-        counted = Counter({each.topic: 0 for each in self.connections})
+        counted: Counter[str] = Counter()
         for each in self.connections:
             counted[each.topic] += each.msgcount
-        yield from self._missing(counted, 'its summary')
+        listed = self._listed()
+        for topic in dict.fromkeys((*counted, *listed)):
+            read, of_files, of_metadata = self._read[topic], counted[topic], listed[topic]
+            counter = METADATA if of_metadata > of_files else 'its summary'
+            count = max(of_files, of_metadata)
+            if count > read:
+                where = f'{topic}: {counter} counts {count:,}, {read:,} are there'
+                yield Loss(topic, 'missing', count - read, where)
         if self._metadata is not None:
-            listed: Counter[str] = Counter()
-            for topic in self._metadata.topics:
-                listed[topic.topic] += topic.count
-            more = {name: count for name, count in listed.items() if count > counted[name]}
-            yield from self._missing(more, METADATA)
             yield from self._unlisted(self._metadata.files)
         for file in self._files:
             for where, count in file.strays.items():
                 yield Loss('', 'no_topic', count, where)
 
-    def _missing(self, counts: dict[str, int], counter: str) -> Iterator[Loss]:
-        for topic, count in counts.items():
-            if count > self._read[topic]:
-                where = f'{topic}: {counter} counts {count}, {self._read[topic]} are there'
-                yield Loss(topic, 'missing', count - self._read[topic], where)
+    def surpluses(self) -> Iterator[str]:
+        """Yield a line for each topic with more messages than metadata.yaml counts."""
+        for topic, count in self._listed().items():
+            if self._read[topic] > count:
+                read = f'{self._read[topic]:,} are there'
+                yield f'{METADATA} counts {count:,} on {topic}, {read}: all are read'
+
+    def _listed(self) -> Counter[str]:
+        """Return how many messages metadata.yaml counts, by topic."""
+        listed: Counter[str] = Counter()
+        for each in self._metadata.topics if self._metadata else ():
+            listed[each.topic] += each.count
+        return listed
 
     def _unlisted(self, listed: Collection[Path]) -> Iterator[Loss]:
         """Yield what the folder's files hold that metadata.yaml does not list."""

@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages that a bag should have and has not are counted, by reason and with a place, or refused.
+
+Python's sqlite3 writes the databases, and judges how many messages they hold.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from bags import (
+    MCAP,
+    SQLITE3,
+    exit_status,
+    joint_state,
+    read_csv,
+    refusal_line,
+    text_note,
+    write_bag,
+)
+
+from linkedplane_ros.recordings.bags.opening import open_bag
+
+HEAD = 'rosbag2_bagfile_information'
+
+
+def count_frames(source: Path, target: Path) -> int:
+    """Process a recording into a table; return its rows."""
+    assert exit_status([str(source), str(target), '--force']) == 0
+    return len(read_csv(target)[2])
+
+
+def change_metadata(bag: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    """Change what a bag's metadata.yaml says; return the bag."""
+    path = bag / 'metadata.yaml'
+    content = yaml.safe_load(path.read_text())
+    change(content[HEAD])
+    path.write_text(yaml.safe_dump(content))
+    return bag
+
+
+def unfinished(tmp_path: Path, journal: str) -> Path:
+    """Return a database as a killed recorder leaves it: 10 messages in it, 10 in what is beside."""
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], SQLITE3)
+    path = bag / 'bag.db3'
+    database = sqlite3.connect(path, isolation_level=None)
+    database.execute(f'PRAGMA journal_mode={journal}')
+    database.execute('PRAGMA wal_autocheckpoint=0')
+    database.execute('PRAGMA cache_size=1')  # written to the file before the end
+    rows = [(1, joint_state(k)[2], joint_state(k)[3]) for k in range(10, 20)]
+    database.execute('BEGIN')
+    database.executemany('INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)', rows)
+    if journal == 'wal':
+        database.execute('COMMIT')
+    else:
+        database.executemany(
+            'INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, zeroblob(9000))',
+            [(1, 10**19 // 2)] * 9,
+        )
+    copy = tmp_path / 'copy'
+    copy.mkdir()
+    for each in bag.iterdir():
+        if each.name.startswith('bag.db3') and not each.name.endswith('-shm'):
+            shutil.copyfile(each, copy / each.name)
+    database.close()
+    return copy / 'bag.db3'
+
+
+@pytest.mark.parametrize(
+    ('journal', 'ending', 'count'), [('wal', '-wal', 20), ('delete', '-journal', 10)]
+)
+def test_what_a_killed_recorder_left_beside_a_database_is_read(
+    tmp_path: Path, journal: str, ending: str, count: int
+) -> None:
+    path = unfinished(tmp_path, journal)
+    beside = path.with_name(path.name + ending)
+    assert beside.stat().st_size
+    before = {each.name: each.read_bytes() for each in path.parent.iterdir()}
+    assert count_frames(path, tmp_path / 'out.csv') == count
+    assert {each.name: each.read_bytes() for each in path.parent.iterdir()} == before
+    # sqlite3 itself, which brings the database to an end
+    [(held,)] = sqlite3.connect(path).execute('SELECT COUNT(*) FROM messages')
+    assert held == count
+
+
+def test_the_case_of_a_wal(tmp_path: Path, cases: Path) -> None:
+    assert count_frames(cases / 'bag_wal' / 'run_0.db3', tmp_path / 'out.csv') == 20
+
+
+@pytest.mark.parametrize('storage', [MCAP, SQLITE3])
+def test_messages_that_metadata_counts_and_no_file_has_are_refused_frames(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], storage: Any
+) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], storage)
+
+    def count_more(content: dict[str, Any]) -> None:
+        content['topics_with_message_count'][0]['message_count'] = 12
+
+    change_metadata(bag, count_more)
+    assert count_frames(bag, tmp_path / 'out.csv') == 10
+    assert (
+        '  2 refused as missing, first at /joint_states: metadata.yaml counts 12, 10 are there\n'
+    ) in capsys.readouterr().out
+
+
+def test_messages_of_other_topics_that_are_missing_are_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent = [each for k in range(10) for each in (joint_state(k), text_note(k))]
+    bag = write_bag(tmp_path / 'bag', sent, SQLITE3)
+    database = sqlite3.connect(bag / 'bag.db3')
+    database.execute('DELETE FROM messages WHERE topic_id = 2 AND id > 15')
+    database.commit()
+    assert count_frames(bag, tmp_path / 'out.csv') == 10
+    told = capsys.readouterr().out
+    assert '3 messages not read: /notes: metadata.yaml counts 10, 7 are there\n' in told
+    assert 'refused' not in told
+
+
+def test_messages_that_metadata_does_not_count_are_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], SQLITE3)
+
+    def count_less(content: dict[str, Any]) -> None:
+        content['topics_with_message_count'][0]['message_count'] = 6
+
+    change_metadata(bag, count_less)
+    assert count_frames(bag, tmp_path / 'out.csv') == 10
+    assert 'metadata.yaml counts 6 on /joint_states, 10 are there: all are read\n' in (
+        capsys.readouterr().out
+    )
+
+
+def test_messages_of_no_topic_are_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], SQLITE3)
+    database = sqlite3.connect(bag / 'bag.db3')
+    database.execute('UPDATE messages SET topic_id = 9 WHERE id > 6')
+    database.commit()
+    assert count_frames(bag / 'bag.db3', tmp_path / 'out.csv') == 6
+    assert '4 messages not read: topic 9, which bag.db3 does not define' in capsys.readouterr().out
+
+
+def split(tmp_path: Path, storage: Any, ending: str) -> Path:
+    """Return a bag of two files, 10 messages each."""
+    parts = [
+        write_bag(
+            tmp_path / f'part_{n}', [joint_state(k) for k in range(10 * n, 10 * n + 10)], storage
+        )
+        for n in range(2)
+    ]
+    shutil.move(parts[1] / f'part_1{ending}', parts[0])
+
+    def join(content: dict[str, Any]) -> None:
+        content['relative_file_paths'].append(f'part_1{ending}')
+        content['topics_with_message_count'][0]['message_count'] = 20
+
+    return change_metadata(parts[0], join)
+
+
+@pytest.mark.parametrize(('storage', 'ending'), [(MCAP, '.mcap'), (SQLITE3, '.db3')])
+def test_a_split_bag_with_a_file_missing_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], storage: Any, ending: str
+) -> None:
+    bag = split(tmp_path, storage, ending)
+    assert count_frames(bag, tmp_path / 'out.csv') == 20
+    capsys.readouterr()
+    (bag / f'part_1{ending}').unlink()
+    line = refusal_line(capsys, str(bag), str(tmp_path / 'lost.csv'))
+    assert f'part_1{ending} is listed in metadata.yaml and not there' in line
+
+
+@pytest.mark.parametrize(('storage', 'ending'), [(MCAP, '.mcap'), (SQLITE3, '.db3')])
+def test_a_file_that_metadata_does_not_list_is_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], storage: Any, ending: str
+) -> None:
+    bag = split(tmp_path, storage, ending)
+
+    def forget(content: dict[str, Any]) -> None:
+        content['relative_file_paths'].pop()
+        content['topics_with_message_count'][0]['message_count'] = 10
+
+    change_metadata(bag, forget)
+    assert count_frames(bag, tmp_path / 'out.csv') == 10
+    assert (
+        f'  10 refused as unlisted, first at part_1{ending}, which metadata.yaml does not list\n'
+    ) in capsys.readouterr().out
+
+
+def set_version(version: int, path: str) -> Callable[[dict[str, Any]], None]:
+    """Return what makes a metadata.yaml an older one, with a path in its style."""
+
+    def change(content: dict[str, Any]) -> None:
+        content |= {'version': version, 'relative_file_paths': [path]}
+        newer = {3: ['compression_format', 'compression_mode'], 5: ['files']}
+        newer |= {6: ['custom_data'], 8: ['ros_distro']}
+        for since, keys in newer.items():
+            for key in keys if version < since else ():
+                content.pop(key)
+        for each in content['topics_with_message_count']:
+            facts = each['topic_metadata']
+            if version < 9:
+                facts['offered_qos_profiles'] = ''
+            if version < 7:
+                facts.pop('type_description_hash')
+            if version < 4:
+                facts.pop('offered_qos_profiles')
+
+    return change
+
+
+@pytest.mark.parametrize('version', range(1, 10))
+@pytest.mark.parametrize('style', ['relative', 'absolute', 'moved'])
+def test_every_version_of_metadata_is_read(tmp_path: Path, version: int, style: str) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)])
+    path = {
+        'relative': 'bag/bag.mcap' if version < 4 else 'bag.mcap',
+        'absolute': str(bag / 'bag.mcap'),
+        'moved': '/home/somebody/bag/bag.mcap',
+    }[style]
+    with_version = change_metadata(bag, set_version(version, path))
+    with closing(open_bag(with_version)) as opened:
+        assert sum(1 for _ in opened.messages()) == 10
+        assert list(opened.losses()) == []
+
+
+@pytest.mark.parametrize('storage', [MCAP, SQLITE3])
+@pytest.mark.parametrize('identifier', ['', 'own_plugin', None])
+def test_a_file_is_known_by_its_content(
+    tmp_path: Path, storage: Any, identifier: str | None
+) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], storage)
+    change_metadata(bag, lambda content: content.update(storage_identifier=identifier))
+    assert count_frames(bag, tmp_path / 'out.csv') == 10
+
+
+def test_the_case_of_an_empty_storage_identifier(tmp_path: Path, cases: Path) -> None:
+    assert count_frames(cases / 'bag_empty_storage_id' / 'bag', tmp_path / 'out.csv') == 10
+
+
+def read_rows(path: Path) -> list[tuple[Any, ...]]:
+    """Return the messages of a database, with their topics, by sqlite3."""
+    return [
+        row
+        for row in sqlite3.connect(path).execute(
+            'SELECT name, type, serialization_format, timestamp, data FROM messages '
+            'JOIN topics ON topics.id = topic_id ORDER BY timestamp, messages.id'
+        )
+        if not row[0].startswith('/deltoid')
+    ]
+
+
+@pytest.mark.parametrize('case', ['run', 'silent'])
+def test_the_case_of_a_type_without_definition_in_a_database_of_humble(
+    tmp_path: Path, cases: Path, case: str
+) -> None:
+    source = cases / 'bag_custom_type_humble' / case
+    assert exit_status([str(source), str(tmp_path / 'out')]) == 0
+    [file] = source.glob('*.db3')
+    rows = read_rows(file)
+    assert rows
+    assert read_rows(tmp_path / 'out' / 'out.db3') == rows
