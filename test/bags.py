@@ -90,7 +90,6 @@ def odd_motion() -> list[Sent]:
         sent.append(text_note(k))
     sent[4] = joint_state(2, ('flexion',))
     sent[6] = joint_state(3, position=[0.1, math.nan, 0.2])
-    sent[8] = joint_state(4, position=[0.1, 90.0, 0.2])
     sent[10] = joint_state(5, ('elbow',))
     sent[12] = joint_state(6, position=[0.1, 0.2])
     sent[14] = joint_state(7, velocity=[0.1, math.nan, 0.2])

@@ -51,8 +51,11 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
         help='1 or -1 for each joint: angle = sign * recorded + offset (default: 1 1 1)')
     add('--offsets', nargs=3, type=float, metavar='RAD',
         help="added to each joint's angle, rad (default: 0 0 0)")
-    add('--degrees', action='store_true', default=None,
-        help="the table's angles are in degrees (default: as the file says, else rad)")
+    unit = angles.add_mutually_exclusive_group()
+    unit.add_argument('--degrees', action='store_true', default=None,
+        help='the recorded angles are in degrees (default: as the recording says, else rad)')
+    unit.add_argument('--radians', dest='degrees', action='store_false', default=None,
+        help='they are in rad')
     add('--topic', metavar='NAME',
         help='the topic of joint states in a bag (default: /joint_states, or the only one)')
     add('--humerus', metavar='NAME',

@@ -56,7 +56,7 @@ def read_data(
     """
     path = Path(path)
     with open_lines(path) as (lines, _):
-        rows = csv_rows(lines)
+        rows = csv_rows(lines, [])
         line, names = next(rows, (1, []))
         columns = Columns.from_names(line, [name.strip() for name in names], convention)
         measured = [columns.read_row(muscle, line, cells) for line, cells in rows]

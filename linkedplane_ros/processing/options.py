@@ -39,7 +39,7 @@ class Options:
     offsets: Sequence[float] | None = None
     """rad; None: 0 for each."""
     degrees: bool | None = None
-    """Whether a table's angles are in degrees; None: as the file says."""
+    """Whether the recorded angles are in degrees; None: as the recording says, else rad."""
     topic: str | None = None
     """The topic of a bag's joint states; None: the usual one, or the only one."""
     humerus: str | None = None
@@ -79,9 +79,8 @@ class Options:
         of_joints = ('joints', 'signs', 'offsets', 'topic', 'degrees')
         given = [name for name in of_joints if getattr(self, name) is not None]
         if self.humerus is not None and given:
-            raise LinkedPlaneError(
-                f'--{given[0]}: only for joint angles, not for poses (--humerus)'
-            )
+            name = 'radians' if self.degrees is False and given[0] == 'degrees' else given[0]
+            raise LinkedPlaneError(f'--{name}: only for joint angles, not for poses (--humerus)')
 
     @property
     def joint_convention(self) -> JointConvention:

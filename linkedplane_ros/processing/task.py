@@ -84,7 +84,9 @@ def open_motion(task: Task) -> Motion:
     elif bones is not None:
         motion = BagMotion.from_poses(source, bones, convention, options.side)
     else:
-        motion = BagMotion.from_joint_states(source, options.joint_map, options.topic)
+        motion = BagMotion.from_joint_states(
+            source, options.joint_map, options.topic, options.degrees
+        )
     if options.rate is None and options.lowpass is None and not options.differentiate:
         return motion
     return SmoothedMotion(motion, options.rate, options.lowpass)
@@ -96,7 +98,7 @@ def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDe
     angles_topic = ''
     if isinstance(motion, TableMotion):
         angles_topic = '/joint_states'
-    elif isinstance(motion, SmoothedMotion) or options.bones is not None:
+    elif isinstance(motion, SmoothedMotion) or options.bones or motion.unit.degrees:
         angles_topic = f'/{muscle.name}/joint_states'
     lowpass = 'no'
     if options.lowpass is not None:

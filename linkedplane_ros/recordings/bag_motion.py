@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -13,12 +13,13 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
-from ..joints.joint_state import JointMap, JointMemory, Rejected
+from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, Rejected
 from .bags.connections import Connection, RecordedMessage
 from .bags.opening import Bag, open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
 from .motion import ROWS, Chunk, Frame, Refusals
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
+from .units import AngleRange, AngleUnit, decide_unit, name_words
 
 BATCH_BYTES = 2**24  # of a bag's messages, held at a time
 
@@ -34,6 +35,10 @@ class Batch(NamedTuple):
 
 class FrameReader(Protocol):
     """Reads the frames of a motion out of a bag's messages."""
+
+    unit: AngleUnit
+    met: AngleRange
+    """The positions that were met, where nobody says their unit."""
 
     @property
     def facts(self) -> Mapping[str, str]:
@@ -55,18 +60,31 @@ class FrameReader(Protocol):
         """Yield why, how many and where: messages without a frame that were not rejected."""
 
 
+RADIANS = AngleUnit(False, 'REP 103')
+
+
 @dataclass
 class JointFrameReader:
     """Reads frames out of joint states, as the node does."""
 
     topic: str
     memory: JointMemory
+    unit: AngleUnit = RADIANS
+    met: AngleRange = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Begin with no position."""
+        self.met = AngleRange(self.memory.joints.names)
 
     @property
     def facts(self) -> Mapping[str, str]:
         """Where the angles come from."""
-        velocities = 'recorded, where the recording has them'
-        return {'topic': self.topic, **self.memory.joints.facts, 'velocities': velocities}
+        return {
+            'topic': self.topic,
+            'read_in': self.unit.fact,
+            **self.memory.joints.facts,
+            'velocities': 'recorded, where the recording has them',
+        }
 
     def accepts(self, topic: str, kind: str) -> bool:
         """Return whether these are the joint states chosen."""
@@ -74,8 +92,13 @@ class JointFrameReader:
 
     def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
         """Yield the one frame of a message."""
+        positions, velocities = message.position, message.velocity
+        if not self.unit.said:
+            self.met.extend_named(message.name, positions)
+        elif self.unit.degrees:
+            positions, velocities = np.radians(positions), np.radians(velocities)
         angles, speeds, _ = self.memory.take_message(
-            message.name, message.position.tolist(), message.velocity.tolist()
+            message.name, positions.tolist(), velocities.tolist()
         )
         stamp = message.header.stamp
         yield Frame(stamp.sec * 10**9 + stamp.nanosec, time, angles, speeds)
@@ -110,6 +133,7 @@ class BagMotion:
         self.path: Path = path
         self.refused: Refusals = Refusals()
         self.frame_reader = frame_reader
+        self.unit, self.met = frame_reader.unit, frame_reader.met
         self.facts: Mapping[str, str] = frame_reader.facts
         self.keeps_records = True
         with closing(open_bag(path)) as bag:
@@ -117,7 +141,9 @@ class BagMotion:
             self.count: int = bag.message_count
 
     @staticmethod
-    def from_joint_states(path: Path, joints: JointMap, topic: str | None) -> BagMotion:
+    def from_joint_states(
+        path: Path, joints: JointMap, topic: str | None, degrees: bool | None = None
+    ) -> BagMotion:
         """Return the motion in a bag's joint states.
 
         Parameters
@@ -128,11 +154,14 @@ class BagMotion:
             Which joints are the convention's coordinates.
         topic
             The topic of the joint states; None: the one that has the joints.
+        degrees
+            Whether they are in degrees; None: as the joints' names say, else rad.
 
         Raises
         ------
         RecordingError
-            If the bag has no such topic, or several of which none was chosen.
+            If the bag has no such topic, or several of which none was chosen; or if the joints'
+            names contradict `degrees`.
         """
         with closing(open_bag(path)) as bag:
             topics = read_topics(bag)
@@ -141,7 +170,9 @@ class BagMotion:
             names = read_joint_names(bag) if unclear else None
             others = {each.topic for each in bag.connections if each.kind == JOINT_STATE}
         chosen = choose_joint_topic(path, topics, topic, '--topic', names, joints.names)
-        motion = BagMotion(path, JointFrameReader(chosen, JointMemory(joints)))
+        words = name_words(path, joints.names, alone=degrees is None)
+        unit = decide_unit(path, degrees, words, 'REP 103')
+        motion = BagMotion(path, JointFrameReader(chosen, JointMemory(joints), unit))
         others -= {chosen}
         if topic is None and others:
             passed_over = ', '.join(sorted(others))
@@ -223,8 +254,10 @@ class BagMotion:
                     rest = list(self._count_rejected(last, self._position(number, 0)))
                     frames += rest
                     follows += [len(batch.records) - 1] * len(rest)
-                yield self._chunk(frames, follows, batch)
+                if self.met.largest <= FULL_CIRCLE:  # else it is refused, with its whole range
+                    yield self._chunk(frames, follows, batch)
             self._count_losses(bag)
+        self.met.check_circle(self.path)
         for reason, count, where in self.frame_reader.unused_messages():
             self.refused.add(reason, where, count)
 

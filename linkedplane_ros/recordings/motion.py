@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..types import Bools, Floats, Stamps, Triple
+from .units import AngleRange, AngleUnit
 
 LATEST = 2.0**31  # s: a stamp holds no more
 ROWS = 5000  # frames that are worked on at a time
@@ -85,6 +86,9 @@ class Motion(Protocol):
     path: Path
     refused: Refusals
 
+    unit: AngleUnit
+    met: AngleRange
+    """The angles that were met in the recording, where nobody says their unit."""
     keeps_records: bool
     """Whether a bag's own messages are wanted with the frames."""
 

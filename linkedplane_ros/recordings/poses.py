@@ -19,6 +19,7 @@ from ..joints.joint_state import Rejected
 from ..joints.sides import mirror_rotation
 from ..types import Floats, Triple
 from .motion import Frame
+from .units import AngleRange, AngleUnit
 
 Quaternion = tuple[float, float, float, float]  # x, y, z, w
 
@@ -51,6 +52,9 @@ class BoneFrames:
         return self.scapula or self.thorax or ''
 
 
+POSES = AngleUnit(False, 'poses')
+
+
 @dataclass
 class PoseFrameReader:
     """Reads frames of a motion out of poses: the humerus against another bone.
@@ -71,6 +75,8 @@ class PoseFrameReader:
     bones: BoneFrames
     convention: JointConvention
     side: str = 'right'
+    unit: AngleUnit = POSES
+    met: AngleRange = field(default_factory=lambda: AngleRange(()))
     _poses: dict[str, Quaternion] = field(default_factory=dict)
     _parents: dict[str, str] = field(default_factory=dict)
     _waiting: dict[int, dict[str, Quaternion]] = field(default_factory=dict)

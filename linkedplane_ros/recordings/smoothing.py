@@ -41,6 +41,7 @@ class SmoothedMotion:
         """Keep what is to be done; the motion is read by `chunks`."""
         self.motion, self.rate, self.cutoff = motion, rate, cutoff
         self.path, self.refused = motion.path, motion.refused
+        self.unit, self.met = motion.unit, motion.met
         self.keeps_records = isinstance(motion, BagMotion)
         self.facts: Mapping[str, str] = {**motion.facts, 'velocities': 'differentiated'}
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from .filters import differentiate
 from .motion import ROWS, Chunk, Refusals, seconds_to_nanoseconds
 from .tables.columns import find_joint_columns
 from .tables.table import Table
+from .units import AngleRange, decide_unit, head_words, name_words
 
 
 class TableMotion:
@@ -27,12 +28,12 @@ class TableMotion:
     joints
         Which columns are the convention's coordinates.
     degrees
-        Whether the columns are in degrees; None: as their names or the file say, else rad.
+        Whether the columns are in degrees; None: as `units.decide_unit` finds.
 
     Raises
     ------
     RecordingError
-        If the header cannot be read, or lacks a column.
+        If the header cannot be read, or lacks a column, or contradicts itself or `degrees`.
     """
 
     def __init__(self, path: Path, joints: JointMap, degrees: bool | None) -> None:
@@ -42,21 +43,17 @@ class TableMotion:
         self.joints = joints
         self.table = Table.from_file(path)
         self.keeps_records = False
-        self.columns, unit = find_columns_and_unit(self.table, joints.names)
-        in_degrees, says = next(
-            (said, who)
-            for said, who in (
-                (degrees, '--degrees'),
-                (unit, 'the names of the columns'),
-                (self.table.in_degrees, 'inDegrees in the file'),
-                (False, 'nothing says otherwise'),
-            )
-            if said is not None
-        )
-        self.scale = np.pi / 180.0 if in_degrees else 1.0
+        try:
+            self.columns = find_joint_columns(self.table.columns, joints.names)
+        except RecordingError as error:
+            raise RecordingError(f'{path}: {error}') from None
+        above = head_words(path, self.table.head)
+        names = name_words(path, self.columns, alone=degrees is None and not above)
+        self.unit = decide_unit(path, degrees, (*names, *above))
+        self.met = AngleRange(joints.names)
         self.facts: Mapping[str, str] = {
             'columns': ', '.join(self.columns),
-            'read_in': f'{"deg" if in_degrees else "rad"}: {says}',
+            'read_in': self.unit.fact,
             **joints.facts,
             'velocities': 'differentiated',
         }
@@ -67,7 +64,11 @@ class TableMotion:
         share = 0.0
         first = row = 0  # the first of the held rows that has not been yielded
         for new_times, values, share in self.table.chunks(self.columns, ROWS):
-            values = values * self.scale
+            if not self.unit.said:
+                self.met.extend(values)
+                if self.met.largest > FULL_CIRCLE:
+                    continue  # to refuse it with its whole range
+            values = values * self.unit.radians
             good = self._find_usable(new_times, values, row)
             row += len(new_times)
             times = np.concatenate((times, new_times[good]))
@@ -78,6 +79,7 @@ class TableMotion:
             if len(times) > 1 + first:
                 yield self._chunk(times, angles, slice(first, -1), share)
                 times, angles, first = times[-2:], angles[-2:], 1
+        self.met.check_circle(self.path)
         if len(times) > first:
             yield self._chunk(times, angles, slice(first, None), share)
 
@@ -98,27 +100,10 @@ class TableMotion:
         small = ~(np.abs(angles) > FULL_CIRCLE).any(axis=1)
         for reason, bad, hint in (
             ('not_finite', ~finite, 'a finite angle expected'),
-            ('degrees', finite & ~small, 'degrees? radians expected (--degrees)'),
+            ('degrees', finite & ~small, f'at most 2 pi rad expected; read in {self.unit.fact}'),
         ):
             if bad.any():
                 k = int(np.argmax(bad))
                 where = f'row {row + k + 1}, {times[k]:.2f} s: {angles[k].tolist()}: {hint}'
                 self.refused.add(reason, where, int(bad.sum()))
         return np.asarray(finite & small)
-
-
-def find_columns_and_unit(
-    table: Table, names: Sequence[str]
-) -> tuple[tuple[str, ...], bool | None]:
-    """Return the columns of three joints; and whether they are in degrees, if their names say so.
-
-    A column may have its unit after the joint's name: `_rad` or `_deg`.
-    """
-    for ending, in_degrees in (('_rad', False), ('_deg', True)):
-        wanted = [name + ending for name in names]
-        if set(wanted) <= set(table.columns):
-            return tuple(wanted), in_degrees
-    try:
-        return find_joint_columns(table.columns, names), None
-    except RecordingError as error:
-        raise RecordingError(f'{table.path}: {error}') from None

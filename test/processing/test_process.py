@@ -51,8 +51,9 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
     ros: None, tmp_path: Path, plugin: StoragePlugin, side: str
 ) -> None:
     sent = odd_motion()
+    sent[8] = joint_state(4, position=[0.1, 90.0, 0.2])
     source = write_bag(tmp_path / 'in', sent, plugin)
-    report = run_task(Task(source, tmp_path / 'out', Options(side=side)))
+    report = run_task(Task(source, tmp_path / 'out', Options(side=side, degrees=False)))
     assert report.fault == ''
     found = read_messages(tmp_path / 'out')
     assert [each for each in found if each[0] in ('/joint_states', '/notes')] == sent

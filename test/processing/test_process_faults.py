@@ -87,8 +87,10 @@ def test_the_other_recordings_are_still_done(
 def test_refused_frames_are_counted_with_their_first_place(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    source = write_bag(tmp_path / 'in', odd_motion())
-    assert exit_status([str(source), str(tmp_path / 'out.csv')]) == 0
+    sent = odd_motion()
+    sent[8] = joint_state(4, position=[0.1, 90.0, 0.2])
+    source = write_bag(tmp_path / 'in', sent)
+    assert exit_status([str(source), str(tmp_path / 'out.csv'), '--radians']) == 0
     told = capsys.readouterr().out
     assert '36 frames' in told
     assert '4 refused' in told

@@ -44,11 +44,6 @@ FAULTS = {
         "m.sto:6: the file ends, but a line 'endheader' was expected before",
     ),
     'no names': ('m.mot', 'endheader\n\n', 'found nothing'),
-    'neither degrees nor radians': (
-        'm.mot',
-        MOT.replace('yes', 'maybe'),
-        "m.mot:3: inDegrees is 'maybe'; yes or no expected",
-    ),
     'no rows in a mot': (
         'm.mot',
         'endheader\ntime a b\n \n',

@@ -36,7 +36,7 @@ def test_a_joint_is_the_end_of_an_opensim_path() -> None:
 
 
 @pytest.mark.parametrize(
-    'column', ['my_plane_elv', 'plane_elv_rad', 'plane_elv/speed', 'Plane_elv']
+    'column', ['my_plane_elv', 'plane_elv_radius', 'plane_elv/speed', 'Plane_elv']
 )
 def test_a_name_that_is_only_like_it_is_not_chosen_but_offered(column: str) -> None:
     with pytest.raises(RecordingError) as caught:

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from itertools import chain
 
 from ...errors import RecordingError
+from ..units import split_unit
 
 
 def find_column(line: int, header: Sequence[str], name: str) -> int:
@@ -27,18 +28,25 @@ def find_joint_columns(columns: Sequence[str], wanted: Sequence[str]) -> tuple[s
     """Return the column of each wanted joint.
 
     It has the joint's name, or else a path that ends with it, or with it and /value, as OpenSim's
-    /jointset/shoulder/plane_elv/value does.
+    /jointset/shoulder/plane_elv/value does. A unit may stand behind the name, as in flexion_deg;
+    where all joints have columns in several units, those in radians are taken, then degrees.
 
     Raises
     ------
     RecordingError
         Unless each joint has exactly one column.
     """
-    candidates = {
-        name: [column for column in columns if column == name]
-        or [column for column in columns if f'/{column}'.endswith((f'/{name}', f'/{name}/value'))]
-        for name in wanted
-    }
+    split = [(column, *split_unit(column)) for column in columns]
+    plain = [(column, column) for column in columns]
+    radians = [(column, stem) for column, stem, unit in split if unit is False]
+    degrees = [(column, stem) for column, stem, unit in split if unit is True]
+    for labels in (radians, degrees, plain):
+        candidates = {name: matching_columns(labels, name) for name in wanted}
+        if all(candidates.values()):
+            break
+    else:  # in different units, or some with and some without one
+        either = [*plain, *radians, *degrees]
+        candidates = {name: matching_columns(either, name) for name in wanted}
     if missing := [name for name in candidates if not candidates[name]]:
         near = similar_columns(columns, missing)
         hint = f' (near: {join_names(near)})' if near else ''
@@ -51,6 +59,13 @@ def find_joint_columns(columns: Sequence[str], wanted: Sequence[str]) -> tuple[s
             f'{len(several)} columns for {unclear[0]}: {join_names(several)}; one expected'
         )
     return tuple(candidates[name][0] for name in wanted)
+
+
+def matching_columns(labels: Sequence[tuple[str, str]], name: str) -> list[str]:
+    """Return the columns whose label, the second of a pair, is a joint's name or path."""
+    return [column for column, label in labels if label == name] or [
+        column for column, label in labels if f'/{label}'.endswith((f'/{name}', f'/{name}/value'))
+    ]
 
 
 def similar_columns(columns: Sequence[str], missing: Sequence[str]) -> list[str]:

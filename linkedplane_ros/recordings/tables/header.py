@@ -12,42 +12,46 @@ from pathlib import Path
 from ...errors import RecordingError
 from .cells import TableRow
 
-IN_DEGREES = re.compile(r'\s*inDegrees\s*=\s*(.*?)\s*', re.IGNORECASE)
 QUOTED = re.compile(r'"[^"]*("|$)')
 
 
-def read_header(
-    path: Path, lines: Iterator[str]
-) -> tuple[bool | None, TableRow, Iterator[TableRow]]:
-    """Return inDegrees, the row of names and the rows after it."""
+def read_header(path: Path, lines: Iterator[str]) -> tuple[list[str], TableRow, Iterator[TableRow]]:
+    """Return the lines above the names, the row of names and the rows after it."""
+    head: list[str] = []
     if path.suffix.lower() in ('.mot', '.sto'):
-        line, in_degrees, rows = read_opensim_header(lines)
+        rows = opensim_rows(lines, head)
     else:
-        line, in_degrees, rows = 1, None, csv_rows(lines)
-    line, names = next(rows, (line, []))
-    return in_degrees, (line, [name.strip() for name in names]), rows
+        rows = csv_rows(lines, head)
+    line, names = next(rows, (max(len(head), 1), []))
+    return head, (line, [name.strip() for name in names]), rows
 
 
-def read_opensim_header(lines: Iterator[str]) -> tuple[int, bool | None, Iterator[TableRow]]:
-    """Return the line of OpenSim's `endheader`, the value of inDegrees, and the rows after it."""
-    numbered, line, in_degrees = enumerate(lines, 1), 0, None
-    for line, text in numbered:
+def opensim_rows(lines: Iterator[str], head: list[str]) -> Iterator[TableRow]:
+    """Yield the rows after OpenSim's `endheader`; append the lines up to it to the head."""
+    for text in lines:
+        head.append(text)
         if text.strip().lower() == 'endheader':
-            return line, in_degrees, ((n, cells) for n, row in numbered if (cells := row.split()))
-        if value := IN_DEGREES.fullmatch(text):
-            if value[1].lower() not in ('yes', 'no'):
-                raise RecordingError(f'{line}: inDegrees is {value[1]!r}; yes or no expected')
-            in_degrees = value[1].lower() == 'yes'
-    raise RecordingError(f"{line}: the file ends, but a line 'endheader' was expected before")
-
-
-def csv_rows(lines: Iterator[str]) -> Iterator[TableRow]:
-    """Yield the rows of a CSV, its names first; the delimiter is the most frequent one in those."""
-    for before, text in enumerate(lines):  # noqa: B007
-        if text.strip() and not text.startswith('#'):
             break
     else:
+        raise RecordingError(
+            f"{len(head)}: the file ends, but a line 'endheader' was expected before"
+        )
+    numbered = enumerate(lines, len(head) + 1)
+    yield from ((n, cells) for n, row in numbered if (cells := row.split()))
+
+
+def csv_rows(lines: Iterator[str], head: list[str]) -> Iterator[TableRow]:
+    """Yield the rows of a CSV, its names first; append the lines above them to the head.
+
+    The delimiter is the most frequent one in the names.
+    """
+    for text in lines:
+        if text.strip() and not text.startswith('#'):
+            break
+        head.append(text)
+    else:
         return
+    before = len(head)
     delimiter = max(',;\t', key=QUOTED.sub('', text).count)
     reader = csv.reader(chain([text], lines), delimiter=delimiter, skipinitialspace=True)
     line = before + 1

@@ -27,8 +27,8 @@ class Table:
     """The names of all columns but the time, as the file has them."""
     time_column: str
     """The name of the time in the file."""
-    in_degrees: bool | None
-    """What a .mot or .sto says by inDegrees; None where it says nothing, and for a CSV."""
+    head: tuple[str, ...]
+    """The lines above the names."""
 
     @classmethod
     def from_file(cls, path: str | Path) -> Table:
@@ -47,7 +47,7 @@ class Table:
         """
         path = Path(path)
         with open_lines(path) as (lines, _):
-            in_degrees, (line, names), _ = read_header(path, lines)
+            head, (line, names), _ = read_header(path, lines)
             candidates = (name for time in TIMES for name in names if name.lower() == time)
             time = next(candidates, None)
             if time is None:
@@ -56,7 +56,7 @@ class Table:
                     f'found {join_names(names)}'
                 )
             k = find_column(line, names, time)
-        return cls(path, (*names[:k], *names[k + 1 :]), time, in_degrees)
+        return cls(path, (*names[:k], *names[k + 1 :]), time, tuple(head))
 
     def chunks(
         self, names: Sequence[str], rows: int = 10_000

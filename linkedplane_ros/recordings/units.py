@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unit of a recording's angles: who says it, and whether the angles themselves agree.
+
+One unit holds for a whole recording. It is what the recording itself says: by the names of its
+columns, or by lines above them. `--degrees` and `--radians` say it where the recording does not,
+or says both; where nothing does, the angles are in radians, if their range allows it.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import RecordingError
+from ..joints.joint_state import FULL_CIRCLE
+from ..types import Floats
+
+FLAGS = {True: '--degrees', False: '--radians'}
+SETTLE = '--degrees or --radians settles it'
+
+# what stands around a unit in a name: flexion_deg, flexion (deg), flexion/deg; flexion_deg_, as
+# MATLAB, and flexion..deg., as R spells the second
+_DEGREES, _RADIANS = 'deg|degs|degree|degrees', 'rad|rads|radian|radians'
+_MARK = re.compile(  # the degree sign, also misspelt by a keyboard or by a wrong encoding
+    r'(?P<joint>.*?\w)[\W_]*(?:Â)?[°º˚][\W_]*'
+)
+_UNIT = re.compile(
+    rf'(?P<joint>.*?\w)[\W_]+(?:in[\W_]+)?(?:(?P<degrees>{_DEGREES})|{_RADIANS})[\W_]*', re.I
+)
+_CAMEL = re.compile(r'(?P<joint>.*[a-z0-9])(?:(?P<degrees>Deg|Degs|Degrees)|Rad|Rads|Radians)')
+_OTHER = re.compile(  # units that are neither, and those of speeds
+    r'.*?\w[\W_]+(?P<unit>mrad|millirad\w*|grad|grads|gon|gons|turns?|revs?|arcmin|arcsec'
+    rf'|(?:{_DEGREES}|{_RADIANS}|[°º˚])(?:[\W_]*(?:/|per|p)[\W_]*|[\W_]+)s(?:ec|econds?)?[\W_\d]*'
+    r'|dps|rpm)[\W_]*',
+    re.I,
+)
+
+LEFTOVERS = ' \t\r\n\v\f,;"\''  # of a spreadsheet, around what a line says
+_KEY = re.compile(r'(?P<key>[^\s=,;]+)(?P<between>[\s=,;]*)(?P<rest>.*)')
+_SENTENCE = re.compile(
+    rf'.*\bangles?\b.*\bin (?:(?P<degrees>{_DEGREES})|{_RADIANS})\b.*'
+    rf'|(?:angles?|(?:angular |angle )?units?)[\s=:]+(?:(?P<unit>{_DEGREES})|{_RADIANS})',
+    re.I,
+)
+
+
+class UnitWord(NamedTuple):
+    """What a recording says of its unit."""
+
+    degrees: bool
+    source: str
+    """Where it says so, as in 'the names of the columns'."""
+
+
+@dataclass(frozen=True)
+class AngleUnit:
+    """The unit of all angles of a recording."""
+
+    degrees: bool
+    source: str
+    """Who says so."""
+    said: bool = True
+    """Whether anybody says so; False: radians are only assumed."""
+
+    @property
+    def fact(self) -> str:
+        """The unit and who says so, for an output's metadata."""
+        return f'{"deg" if self.degrees else "rad"}: {self.source}'
+
+    @property
+    def radians(self) -> float:
+        """The unit, in rad."""
+        return math.pi / 180.0 if self.degrees else 1.0
+
+
+def decide_unit(
+    path: Path,
+    degrees: bool | None,
+    words: Sequence[UnitWord],
+    assumed: str = 'nothing says otherwise',
+) -> AngleUnit:
+    """Return the unit of a recording.
+
+    Parameters
+    ----------
+    path
+        The recording.
+    degrees
+        What the user says by --degrees or --radians; None: nothing.
+    words
+        What the recording says.
+    assumed
+        Why it is radians where nobody says anything.
+
+    Raises
+    ------
+    RecordingError
+        If the recording says both, and the user nothing; or if they contradict each other.
+    """
+    said = {word.degrees: word.source for word in reversed(words)}
+    if len(said) == 2 and degrees is None:
+        raise RecordingError(
+            f'{path}: degrees by {said[True]}, but radians by {said[False]}; {SETTLE}'
+        )
+    if degrees is not None:
+        if list(said) == [not degrees]:
+            raise RecordingError(
+                f'{path}: {FLAGS[degrees]}, but {"rad" if degrees else "deg"} by '
+                f'{said[not degrees]}; leave {FLAGS[degrees]} out, or correct the file'
+            )
+        return AngleUnit(degrees, FLAGS[degrees])
+    if said:
+        [(unit, source)] = said.items()
+        return AngleUnit(unit, source)
+    return AngleUnit(False, assumed, said=False)
+
+
+def split_unit(name: str) -> tuple[str, bool | None]:
+    """Return a column's name without its unit, and whether that is degrees; None: it has none."""
+    if match := _MARK.fullmatch(name):
+        return match['joint'], True
+    if match := _UNIT.fullmatch(name) or _CAMEL.fullmatch(name):
+        return match['joint'], match['degrees'] is not None
+    return name, None
+
+
+def name_words(path: Path, columns: Sequence[str], alone: bool) -> tuple[UnitWord, ...]:
+    """Return what the names of the chosen columns say.
+
+    Parameters
+    ----------
+    path
+        The table.
+    columns
+        Its three columns of angles.
+    alone
+        Whether nobody else says a unit: then all names or none have one.
+
+    Raises
+    ------
+    RecordingError
+        If the names have several units, or some have none, or one that is neither deg nor rad.
+    """
+    for name in columns:
+        if match := _OTHER.fullmatch(name):
+            raise RecordingError(
+                f'{path}: column {name!r}: angles in deg or rad expected, not in {match["unit"]}'
+            )
+    units = {split_unit(name)[1]: name for name in reversed(columns)}
+    texts = {True: 'in degrees', False: 'in radians', None: 'without a unit'}
+    named = [(unit, units[unit]) for unit in (True, False) if unit in units]
+    if len(named) == 2 or (named and alone and None in units):
+        (one, name), (other, second), *_ = units.items()
+        raise RecordingError(
+            f'{path}: column {name!r} is {texts[one]}, {second!r} {texts[other]}; '
+            'one unit for all three expected'
+        )
+    return tuple(UnitWord(unit, 'the names of the columns') for unit, _ in named)
+
+
+def head_words(path: Path, head: Iterable[str]) -> tuple[UnitWord, ...]:
+    """Return what the lines above the names of the columns say.
+
+    The rules are those of OpenSim's Storage.cpp: `inDegrees` is `yes` or `y` in any case; a .mot
+    without `version` is a motion of SIMM, in degrees; and its sentence `Angles are in degrees.`
+    counts where `inDegrees` is absent, or `version` is. Beyond these, a spreadsheet's leftovers
+    are no part of a value; and what Storage.cpp takes for no (`inDegrees=true`) is refused.
+
+    Parameters
+    ----------
+    path
+        The table.
+    head
+        All its lines before the names, in their order.
+
+    Raises
+    ------
+    RecordingError
+        If inDegrees is neither yes nor no.
+    """
+    flags: list[UnitWord] = []
+    sentences: list[UnitWord] = []
+    version = 0
+    opensim = path.suffix.lower() in ('.mot', '.sto')
+    for line, text in enumerate(head, 1):
+        bare = text.strip(LEFTOVERS)
+        match = _SENTENCE.fullmatch(bare.lstrip('# '))
+        if match and not (re.search(r'\bdeg', bare, re.I) and re.search(r'\brad', bare, re.I)):
+            in_degrees = (match['degrees'] or match['unit']) is not None
+            sentences.append(UnitWord(in_degrees, f'{bare[:60]!r} in the file'))
+        if not opensim or not (match := _KEY.fullmatch(bare)):
+            continue
+        rest = match['rest'].strip(LEFTOVERS).lower()
+        if match['key'] == 'version':
+            number = re.match(r'[+-]?\d+', rest)  # as atoi does
+            version = int(number[0]) if number else 0
+        elif match['key'].lower() == 'indegrees':
+            if rest in ('yes', 'y', 'no', 'n'):
+                flags.append(UnitWord(rest[0] == 'y', 'inDegrees in the file'))
+            elif '=' in match['between']:
+                raise RecordingError(
+                    f'{path}:{line}: inDegrees is {rest[:60]!r}; yes or no expected'
+                )
+    if version < 1 and '.mot' in path.name.lower():  # as Storage.cpp looks for it
+        flags.append(UnitWord(True, 'its head without version=, as in SIMM'))
+    if flags and version >= 1:
+        return tuple(flags)
+    return (*flags, *sentences)
+
+
+class AngleRange:
+    """The smallest and the largest angle that was met of each joint, in the recording's unit.
+
+    Parameters
+    ----------
+    names
+        (n) the joints.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        """Begin with no angle."""
+        self.names = tuple(names)
+        self.lowest = [math.inf] * len(self.names)
+        self.highest = [-math.inf] * len(self.names)
+
+    def extend(self, angles: Floats) -> None:
+        """Take angles (k, n) in; what is not finite is passed over."""
+        finite = np.isfinite(angles)
+        lowest = angles.min(axis=0, where=finite, initial=math.inf).tolist()
+        highest = angles.max(axis=0, where=finite, initial=-math.inf).tolist()
+        self.lowest = list(map(min, self.lowest, lowest))
+        self.highest = list(map(max, self.highest, highest))
+
+    def extend_named(self, names: Sequence[str], angles: Floats) -> None:
+        """Take a message's angles (m,) in, those of the joints among its names (m)."""
+        if len(names) != len(angles):
+            return
+        named = dict(zip(names, angles.tolist(), strict=True))
+        for k, name in enumerate(self.names):
+            angle = named.get(name, math.nan)
+            if math.isfinite(angle):
+                self.lowest[k] = min(self.lowest[k], angle)
+                self.highest[k] = max(self.highest[k], angle)
+
+    @property
+    def largest(self) -> float:
+        """The largest amount of an angle; 0 where there is none."""
+        ends = (abs(end) for end in (*self.lowest, *self.highest) if math.isfinite(end))
+        return max(ends, default=0.0)
+
+    def describe(self) -> str:
+        """Return each joint's range in words."""
+        ranges = zip(self.names, self.lowest, self.highest, strict=True)
+        met = (f'{name} {low:.4g} to {high:.4g}' for name, low, high in ranges if low <= high)
+        return ', '.join(met) or 'no angles'
+
+    def check_circle(self, path: Path) -> None:
+        """Raise a RecordingError if an angle, were it in radians, is beyond a full circle."""
+        if self.largest > FULL_CIRCLE:
+            raise doubt_radians(path, self, 'no angle in radians is beyond 2 pi')
+
+
+def doubt_radians(path: Path, met: AngleRange, why: str) -> RecordingError:
+    """Return the fault of a recording whose angles are taken for radians, and are none."""
+    return RecordingError(
+        f'{path}: degrees? Nothing says the unit of its angles ({met.describe()}), and {why}; '
+        f'{SETTLE}'
+    )
