@@ -56,6 +56,9 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
         help='the recorded angles are in degrees (default: as the recording says, else rad)')
     unit.add_argument('--radians', dest='degrees', action='store_false', default=None,
         help='they are in rad')
+    add('--time', metavar='NAME',
+        help='the column of the time in a table, in s unless its name ends in ms, us or ns '
+        '(default: time, t, timestamp, Time (Seconds), __time, ...)')
     add('--topic', metavar='NAME',
         help='the topic of joint states in a bag (default: /joint_states, or the only one)')
     add('--humerus', metavar='NAME',

@@ -15,7 +15,7 @@ from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConv
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.tables.cells import parse_number
 from ..recordings.tables.columns import find_column, join_names
-from ..recordings.tables.header import csv_rows
+from ..recordings.tables.dialect import csv_rows
 from ..recordings.tables.lines import open_lines
 from ..types import Floats
 from .measurements import MOTIONS, Data, Measurement
@@ -56,7 +56,7 @@ def read_data(
     """
     path = Path(path)
     with open_lines(path) as (lines, _):
-        rows = csv_rows(lines, [])
+        *_, rows = csv_rows(lines)
         line, names = next(rows, (1, []))
         columns = Columns.from_names(line, [name.strip() for name in names], convention)
         measured = [columns.read_row(muscle, line, cells) for line, cells in rows]

@@ -40,6 +40,8 @@ class Options:
     """rad; None: 0 for each."""
     degrees: bool | None = None
     """Whether the recorded angles are in degrees; None: as the recording says, else rad."""
+    time: str | None = None
+    """The column of a table's time; None: one that is called as times usually are."""
     topic: str | None = None
     """The topic of a bag's joint states; None: the usual one, or the only one."""
     humerus: str | None = None
@@ -76,7 +78,7 @@ class Options:
             raise LinkedPlaneError('--humerus, --scapula, --thorax: a name expected')
         if self.humerus is None and self.frame_axes is not None:
             raise LinkedPlaneError('--frame-axes: only for poses (--humerus)')
-        of_joints = ('joints', 'signs', 'offsets', 'topic', 'degrees')
+        of_joints = ('joints', 'signs', 'offsets', 'topic', 'degrees', 'time')
         given = [name for name in of_joints if getattr(self, name) is not None]
         if self.humerus is not None and given:
             name = 'radians' if self.degrees is False and given[0] == 'degrees' else given[0]

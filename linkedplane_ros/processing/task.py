@@ -80,7 +80,9 @@ def open_motion(task: Task) -> Motion:
     if source.suffix.lower() in TABLES:
         if bones is not None:
             raise RecordingError(f'{source}: a table has no frames; --humerus is for bags')
-        motion = TableMotion(source, options.joint_map, options.degrees)
+        motion = TableMotion(source, options.joint_map, options.degrees, options.time)
+    elif options.time is not None:
+        raise RecordingError(f'{source}: a bag has stamps; --time is for tables')
     elif bones is not None:
         motion = BagMotion.from_poses(source, bones, convention, options.side)
     else:

@@ -29,6 +29,8 @@ class TableMotion:
         Which columns are the convention's coordinates.
     degrees
         Whether the columns are in degrees; None: as `units.decide_unit` finds.
+    time
+        The column of the time; None: one that is called as times usually are.
 
     Raises
     ------
@@ -36,12 +38,14 @@ class TableMotion:
         If the header cannot be read, or lacks a column, or contradicts itself or `degrees`.
     """
 
-    def __init__(self, path: Path, joints: JointMap, degrees: bool | None) -> None:
+    def __init__(
+        self, path: Path, joints: JointMap, degrees: bool | None, time: str | None = None
+    ) -> None:
         """Read the header; the rows are read by `chunks`."""
         self.path: Path = path
         self.refused: Refusals = Refusals()
         self.joints = joints
-        self.table = Table.from_file(path)
+        self.table = Table.from_file(path, time)
         self.keeps_records = False
         try:
             self.columns = find_joint_columns(self.table.columns, joints.names)
@@ -53,6 +57,7 @@ class TableMotion:
         self.met = AngleRange(joints.names)
         self.facts: Mapping[str, str] = {
             'columns': ', '.join(self.columns),
+            **({'times': self.table.time.description} if time or not self.table.time.plain else {}),
             'read_in': self.unit.fact,
             **joints.facts,
             'velocities': 'differentiated',

@@ -24,15 +24,15 @@ FAULTS = {
     'nothing but comments': (
         'm.csv',
         '# a\n# time,a,b\n',
-        'm.csv:1: names of columns expected, a time among them '
-        '(time, t, time_s, timestamp, time (s)); found nothing',
+        'm.csv:2: names of columns expected, a time among them '
+        '(time, t, time_s, timestamp, time (s), or another unit; else --time NAME); found nothing',
     ),
-    'nothing but blank lines': ('m.csv', '\n \n\n', 'm.csv:1: names of columns expected'),
+    'nothing but blank lines': ('m.csv', '\n \n\n', 'm.csv:3: names of columns expected'),
     'no header row': (
         'm.csv',
         '0,1,2\n0.1,3,4\n',
         'm.csv:1: names of columns expected, a time among them '
-        '(time, t, time_s, timestamp, time (s)); found 0, 1, 2',
+        '(time, t, time_s, timestamp, time (s), or another unit; else --time NAME); found 0, 1, 2',
     ),
     'no table at all': ('m.csv', '{' + 'x' * 9999, 'found {' + 'x' * 99),
     'no time': ('m.csv', '#\nx,y\n0,1\n', 'found x, y'),
@@ -68,10 +68,68 @@ FAULTS = {
         "m.csv:3: column 'b': 'four' is not a number; one like -0.5 expected",
     ),
     'a word in a mot': ('m.mot', MOT.replace('1\t2', 'x\t2'), "m.mot:6: column 'a': 'x' is no"),
-    'a decimal comma': (
+    'a decimal comma between commas': (
         'm.csv',
-        'time;a;b\n0;1;2\n1;3,5;4\n',
-        "m.csv:3: column 'a': '3,5' is not a number; one like -0.5 expected",
+        'time,a,b\n0,1,2\n1,3,5,4\n',
+        'm.csv:3: 4 cells; 3, as the names, expected',
+    ),
+    'decimal commas and points': (
+        'm.csv',
+        'time;a;b\n0.5;1;2\n1;3,5;4\n',
+        "m.csv:3: '3,5' has a comma, '0.5' in line 2 a point; one mark of decimals expected",
+    ),
+    'a point after decimal commas': (
+        'm.csv',
+        'time;a;b\n' + '0,5;1;2\n' * 300 + '1;3.5;4\n',
+        "m.csv:302: column 'a': '3.5' is not a number; one like -0,5 expected",
+    ),
+    'decimals or thousands': (
+        'm.csv',
+        'time;a;b\n0;1,234;2\n1;3,500;4\n',
+        "m.csv:2: '1,234' can be read in two ways, with decimals or with thousands",
+    ),
+    'thousands': (
+        'm.csv',
+        'time;a;b\n0;1,234.5;2\n',
+        "m.csv:2: column 'a': '1,234.5' is not a number; one like -0.5 expected",
+    ),
+    'as many commas as semicolons': (
+        'm.csv',
+        'time,a;b\n0,1;2\n',
+        'm.csv:1: as many commas as semicolons between the names; a first line sep=, or sep=;',
+    ),
+    'a separator that is not known': ('m.csv', 'sep=|\ntime|a|b\n', 'm.csv:1: sep=|: a comma,'),
+    'a number of India': ('m.csv', CSV.replace('4', '\u0664'), "column 'b': '\u0664' is not a"),
+    'a date': (
+        'm.csv',
+        CSV.replace('0.1', '2024-05-01 12:00:00.5'),
+        "'2024-05-01 12:00:00.5' is not a number; a date or a time of day? seconds as a plain",
+    ),
+    'a row of units': (
+        'm.csv',
+        CSV.replace('b\n', 'b\ns,deg,deg\n'),
+        "m.csv:2: column 'time': 's' is not a number; a row of units? leave it out",
+    ),
+    'minutes': (
+        'm.csv',
+        CSV.replace('time', 'Time (min)'),
+        "m.csv:1: the time 'Time (min)' is in 'min'; s, ms, us or ns expected",
+    ),
+    'two usual times': (
+        'm.csv',
+        'time_ms,Time [s],a\n0,1,2\n',
+        'm.csv:1: 2 columns can be the time: time_ms, Time [s]; one expected, or --time NAME',
+    ),
+    'stamps that are no stamps': (
+        'm.csv',
+        'time_sec,time_nanosec,a,b\n0.5,500000000,1,2\n',
+        "m.csv:1: 'time_sec' and 'time_nanosec' are not whole seconds and nanoseconds below 1e9",
+    ),
+    'zero bytes': ('m.csv', CSV.replace('4', '4\0'), 'm.csv:1: UTF-16, or bytes that are zero'),
+    'zero bytes later': (
+        'm.csv',
+        CSV + '0.2,5,6\n' * 1000 + '0.3,\0,\0\n',
+        'm.csv:1004: ',
     ),
     'a number only to Python': (
         'm.csv',
@@ -114,9 +172,13 @@ FAULTS = {
     'not utf-8': (
         'm.csv',
         '# Mitte\ntime,a,b\n0,1,ä\n'.encode('latin-1'),
-        'm.csv:3: not UTF-8; save the table as UTF-8',
+        "m.csv:3: column 'b': 'ä' is not a number",
     ),
-    'utf-16': ('m.csv', CSV.encode('utf-16'), 'm.csv:1: not UTF-8; save the table as UTF-8'),
+    'utf-16': (
+        'm.csv',
+        CSV.encode('utf-16'),
+        'm.csv:1: UTF-16, or bytes that are zero; save the table as UTF-8',
+    ),
     'a spreadsheet': ('m.csv', b'PK\x03\x04\x14\x00\x06\xb5', 'm.csv: an archive (ZIP'),
     'a line without end': (
         'm.csv',

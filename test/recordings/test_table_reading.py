@@ -16,13 +16,14 @@ from unhurried import unhurried
 
 from linkedplane_ros.recordings.tables.columns import find_joint_columns
 from linkedplane_ros.recordings.tables.table import Table
+from linkedplane_ros.recordings.tables.times import TimeColumns
 
 
 @pytest.mark.parametrize('motion', ['abduction', 'flexion'])
 def test_a_mot_in_degrees_is_the_csv_in_radians(shared: Path, motion: str) -> None:
     mot = Table.from_file(shared / 'recordings' / f'{motion}.mot')
     csv = Table.from_file(shared / 'recordings' / f'{motion}.csv')
-    assert (mot.time_column, csv.time_column) == ('time', 'time_s')
+    assert (mot.time.names, csv.time.names) == (('time',), ('time_s',))
     assert len(mot.columns) == 17
     assert csv.columns == tuple(f'{joint}_rad' for joint in JOINTS)
     times, degrees = read_all(mot, find_joint_columns(mot.columns, JOINTS))
@@ -54,7 +55,7 @@ def test_an_opensim_header_ends_with_a_line_of_its_own(tmp_path: Path, header: s
         path = write_table(tmp_path, name, f'{header}EndHeader \n{rows}')
         table = Table.from_file(path)
         head = f'{header.removeprefix(chr(0xFEFF))}EndHeader \n'.splitlines(keepends=True)
-        assert table == Table(path, ('a', 'b'), 'Time', tuple(head))
+        assert table == Table(path, ('a', 'b'), TimeColumns(('Time',), (1.0,)), tuple(head))
         times, values = read_all(table, ('b', 'a'))
         assert times.tolist() == [0.0, 0.1]
         assert values.tolist() == [[2.0, 1.0], [4.0, 3.0]]
@@ -76,9 +77,20 @@ def test_an_opensim_header_ends_with_a_line_of_its_own(tmp_path: Path, header: s
         '"time" , "a", "b"\n0, "1", 2\n0.1, "3" ,4\n',
         'a,time,b\n1,0,2\n\n3,0.1,4\n\n',
         'time;"a";"b";"c, d, e, f"\n0;1;2;x\n0.1;3;4;"y\nz"\n',
+        CSV.replace('\n', '\r'),
+        'sep=;\n' + CSV.replace(',', ';'),
+        '"sep=,"\r\n' + CSV,
+        CSV.replace(',', ';').replace('.', ','),
+        CSV.replace(',', '\t').replace('.', ','),
+        'time;a;b\n0;1;2\n0,1;3,000;4\n',
+        CSV + ',,\n,,\n',
+        b'time,a,b,elbow (\xb0)\n0,1,2,3\n0.1,3,4,5\n',
+        'Time (ms),a,b\n0,1,2\n100,3,4\n',
+        'timestampNs,a,b\n0,1,2\n100000000,3,4\n',
+        'a,b,header.stamp.sec,header.stamp.nanosec\n1,2,0,0\n3,4,0,100000000\n',
     ],
 )
-def test_a_csv_may_be_written_in_any_usual_way(tmp_path: Path, content: str) -> None:
+def test_a_csv_may_be_written_in_any_usual_way(tmp_path: Path, content: str | bytes) -> None:
     table = Table.from_file(write_table(tmp_path, 'motion.csv', content))
     assert table.columns[:2] == ('a', 'b')
     times, values = read_all(table, ('a', 'b'))
@@ -86,17 +98,80 @@ def test_a_csv_may_be_written_in_any_usual_way(tmp_path: Path, content: str) -> 
     assert values.tolist() == [[1.0, 2.0], [3.0, 4.0]]
 
 
-@pytest.mark.parametrize('time', ['time', 'T', 'time_s', 'Timestamp', 'Time (s)'])
+@pytest.mark.parametrize(
+    'time',
+    [
+        'time',
+        'T',
+        'time_s',
+        'Timestamp',
+        'Time (s)',
+        'Time (Seconds)',
+        'time [s]',
+        't(s)',
+        '__time',
+        'Time, s',
+        'Elapsed Time (sec)',
+        'time/s',
+    ],
+)
 def test_the_time_of_a_csv_has_a_usual_name(tmp_path: Path, time: str) -> None:
-    table = Table.from_file(write_table(tmp_path, 'motion.csv', CSV.replace('time', time)))
-    assert (table.time_column, table.columns) == (time, ('a', 'b'))
+    table = Table.from_file(write_table(tmp_path, 'motion.csv', f'"{time}",a,b\n0,1,2\n'))
+    assert (table.time.names, table.columns) == ((time,), ('a', 'b'))
 
 
 def test_of_two_times_the_plainer_name_counts(tmp_path: Path) -> None:
     table = Table.from_file(write_table(tmp_path, 'motion.csv', 'timestamp,time,a\n9,0,1\n'))
-    assert (table.time_column, table.columns) == ('time', ('timestamp', 'a'))
+    assert (table.time.names, table.columns) == (('time',), ('timestamp', 'a'))
     times, values = read_all(table, ('timestamp',))
     assert (times.tolist(), values.tolist()) == ([0.0], [[9.0]])
+
+
+@pytest.mark.parametrize(
+    'gap',
+    ['-nan(ind)', '1.#QNAN', '1.#IND', '-1.#IND00', 'nan(snan)', 'NA', 'N/A', 'null', '#N/A',
+     '-1,#IND', 'NULL', '#DIV/0!', '+NaN'],
+)  # fmt: skip
+def test_a_gap_has_many_spellings(tmp_path: Path, gap: str) -> None:
+    path = write_table(tmp_path, 'motion.csv', f'time;a;b\n0;{gap};1\n0.1; {gap} ;2\n')
+    _, values = read_all(Table.from_file(path), ('a', 'b'))
+    np.testing.assert_array_equal(values, [[math.nan, 1.0], [math.nan, 2.0]])
+
+
+@pytest.mark.parametrize('word', ['inf', '-Infinity', '1.#INF', '-1.#INF00', '1e999'])
+def test_what_is_infinite_is_no_gap(tmp_path: Path, word: str) -> None:
+    path = write_table(tmp_path, 'motion.csv', f'time,a\n0,{word}\n')
+    [[value]] = read_all(Table.from_file(path), ('a',))[1]
+    assert math.isinf(value)
+    assert (value < 0.0) == word.startswith('-')
+
+
+@pytest.mark.parametrize(
+    ('name', 'second'),
+    [('time_ms', 1e3), ('Time (ms)', 1e3), ('t [us]', 1e6), ('timestamp_ns', 1e9), ('timeMs', 1e3),
+     ('Time (µs)', 1e6), ('elapsed time (milliseconds)', 1e3), ('__time_s', 1.0)],
+)  # fmt: skip
+def test_the_unit_in_the_name_of_the_time_is_obeyed(
+    tmp_path: Path, name: str, second: float
+) -> None:
+    path = write_table(
+        tmp_path, 'motion.csv', f'{name},a\n0,1\n{0.25 * second:.0f},2\n{second},3\n'
+    )
+    assert read_all(Table.from_file(path), ('a',))[0].tolist() == [
+        0.0,
+        (0.25 * second // 1) / second,
+        1.0,
+    ]
+
+
+@pytest.mark.parametrize(
+    ('name', 'second'), [('frame_clock', 1.0), ('frame_clock_ms', 1e3), ('clock (ns)', 1e9)]
+)
+def test_the_time_can_be_named(tmp_path: Path, name: str, second: float) -> None:
+    path = write_table(tmp_path, 'motion.csv', f'time,{name},a\n7,0,1\n8,{second},2\n')
+    table = Table.from_file(path, name)
+    assert table.columns == ('time', 'a')
+    assert read_all(table, ('a',))[0].tolist() == [0.0, 1.0]
 
 
 def test_a_gap_is_nan(tmp_path: Path) -> None:

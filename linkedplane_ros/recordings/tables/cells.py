@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -12,9 +14,40 @@ from ...types import Floats
 
 TableRow = tuple[int, list[str]]  # the number of its line, its cells
 
+NUMBER = re.compile(r'[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?')
+# of words of these characters, Python takes for a number what is one, and nan
+PLAIN = b'0123456789+-.eE nNaA'
+GAP = re.compile(
+    r'|[+-]?nan(\(\w*\))?|[+-]?1[.,]#(qnan|snan|ind|nan)0*|n/?a|null|none'
+    r'|#(n/a|num!|div/0!|value!|ref!|name\?|null!)',
+    re.IGNORECASE,
+)
+INFINITE = re.compile(r'[+-]?(inf|infinity|∞|1[.,]#inf0*)', re.IGNORECASE)
+CLOCK = re.compile(r'[0-9]{1,4}[-/.][0-9]{1,2}[-/.][0-9]{1,4}\b|[0-9]+:[0-9]+')
+COMMA_TO_POINT = {ord(','): '.', ord('.'): '?'}  # a point is none, and no number then
+UNIT = re.compile(
+    r'[\[(]?(s|sec|seconds?|ms|us|ns|rad|radians?|deg|degrees?|°)[\])]?', re.IGNORECASE
+)
 
-def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[TableRow]) -> Floats:
-    """Return the cells of k rows in n columns, the time's first, as numbers (k, n)."""
+
+def parse_rows(
+    header: Sequence[str], times: int, places: Sequence[int], rows: Iterator[TableRow], comma: bool
+) -> Floats:
+    """Return the cells of k rows in n columns as numbers (k, n).
+
+    Parameters
+    ----------
+    header
+        The names of all columns.
+    times
+        How many of the n columns, the first ones, are times and must be finite.
+    places
+        The n columns.
+    rows
+        The k rows.
+    comma
+        Whether commas stand before decimals, else points.
+    """
     lines: list[int] = []
     cells: list[str] = []  # in one list: one a row would be slow to hold
     for line, row in rows:
@@ -23,21 +56,28 @@ def parse_rows(header: Sequence[str], places: Sequence[int], rows: Iterator[Tabl
         lines.append(line)
         cells += [row[k] for k in places]
     n = len(places)
-    flat = parse_cells(cells)
+    flat = parse_cells(cells, comma)
     if flat is None:
         named = ((lines[i // n], header[places[i % n]], cell) for i, cell in enumerate(cells))
-        flat = np.array([parse_number(*each) for each in named])
+        flat = np.array([parse_number(*each, comma) for each in named])
     numbers = flat.reshape(len(lines), n)
-    is_time = np.isfinite(numbers[:, 0])
+    is_time = np.isfinite(numbers[:, :times])
     if not is_time.all():
-        k = int(np.argmin(is_time))
-        raise RecordingError(f'{lines[k]}: its time is {cells[n * k]!r}; a finite number expected')
+        k, j = np.argwhere(~is_time)[0]
+        cell = cells[n * k + j]
+        raise RecordingError(f'{lines[k]}: its time is {cell!r}; a finite number expected')
     return numbers
 
 
-def parse_cells(cells: list[str]) -> Floats | None:
-    """Return the numbers in cells; None if one is empty, or no number, or has an underscore."""
-    if '_' in ''.join(cells):  # only Python takes 1_0 for ten
+def parse_cells(cells: list[str], comma: bool) -> Floats | None:
+    """Return the numbers in cells; None if one of them is no number that is written plainly."""
+    text = ''.join(cells)
+    if comma:
+        if '.' in text:
+            return None
+        cells = [cell.replace(',', '.') for cell in cells]
+        text = text.replace(',', '.')
+    if not text.isascii() or text.encode().translate(None, PLAIN):
         return None
     try:
         return np.array(cells, dtype=float)
@@ -45,12 +85,22 @@ def parse_cells(cells: list[str]) -> Floats | None:
         return None
 
 
-def parse_number(line: int, name: str, cell: str) -> float:
-    """Return the number in a cell, NaN if it is empty."""
-    text = cell.strip() or 'nan'
-    try:
-        return float(text.replace('_', '?'))
-    except ValueError:
-        raise RecordingError(
-            f'{line}: column {name!r}: {text[:40]!r} is not a number; one like -0.5 expected'
-        ) from None
+def parse_number(line: int, name: str, cell: str, comma: bool = False) -> float:
+    """Return the number in a cell; NaN for a gap, inf for what is infinite."""
+    text = cell.strip()
+    plain = text.translate(COMMA_TO_POINT) if comma else text
+    if NUMBER.fullmatch(plain):
+        return float(plain)
+    if GAP.fullmatch(text):
+        return math.nan
+    if INFINITE.fullmatch(text):
+        return -math.inf if text.startswith('-') else math.inf
+    hint = 'one like -0,5 expected, as in the rows before' if comma else 'one like -0.5 expected'
+    if CLOCK.match(text):
+        hint = 'a date or a time of day? seconds as a plain number expected'
+    elif UNIT.fullmatch(text):
+        hint = (
+            'a row of units? leave it out; --degrees or --radians, or names like flexion_deg, '
+            'say the unit'
+        )
+    raise RecordingError(f'{line}: column {name!r}: {text[:40]!r} is not a number; {hint}')

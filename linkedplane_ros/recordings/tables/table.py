@@ -11,11 +11,13 @@ from pathlib import Path
 from ...errors import RecordingError
 from ...types import Floats
 from .cells import parse_rows
-from .columns import find_column, join_names
+from .columns import find_column
+from .dialect import has_decimal_commas
 from .header import read_header
 from .lines import open_lines
+from .times import TimeColumns, find_time
 
-TIMES = ('time', 't', 'time_s', 'timestamp', 'time (s)')  # the first of them that is there
+FIRST_ROWS = 200  # by which the mark of decimals is found
 
 
 @dataclass(frozen=True)
@@ -25,13 +27,12 @@ class Table:
     path: Path
     columns: tuple[str, ...]
     """The names of all columns but the time, as the file has them."""
-    time_column: str
-    """The name of the time in the file."""
+    time: TimeColumns
     head: tuple[str, ...]
     """The lines above the names."""
 
     @classmethod
-    def from_file(cls, path: str | Path) -> Table:
+    def from_file(cls, path: str | Path, time: str | None = None) -> Table:
         """Read the header only.
 
         Parameters
@@ -39,6 +40,8 @@ class Table:
         path
             An OpenSim .mot or .sto; any other file is CSV (RFC 4180) with a row of names, possibly
             after lines that start with #, and a comma, semicolon or tab between cells.
+        time
+            The name of the time; None: one that it usually has.
 
         Raises
         ------
@@ -47,16 +50,10 @@ class Table:
         """
         path = Path(path)
         with open_lines(path) as (lines, _):
-            head, (line, names), _ = read_header(path, lines)
-            candidates = (name for time in TIMES for name in names if name.lower() == time)
-            time = next(candidates, None)
-            if time is None:
-                raise RecordingError(
-                    f'{line}: names of columns expected, a time among them ({", ".join(TIMES)}); '
-                    f'found {join_names(names)}'
-                )
-            k = find_column(line, names, time)
-        return cls(path, (*names[:k], *names[k + 1 :]), time, tuple(head))
+            header = read_header(path, lines)
+            found = find_time(header.line, header.names, time)
+        columns = tuple(name for name in header.names if name not in found.names)
+        return cls(path, columns, found, tuple(header.lines))
 
     def chunks(
         self, names: Sequence[str], rows: int = 10_000
@@ -75,7 +72,8 @@ class Table:
         times
             (k,) s.
         values
-            (k, n), in the file's order and units; NaN for nan, and for an empty cell of a CSV.
+            (k, n), in the file's order and units; NaN for a gap: nan and its spellings, and an
+            empty cell of a CSV.
         share
             Of the file, read so far, 0 to 1.
 
@@ -87,11 +85,15 @@ class Table:
         if rows < 1:
             raise RecordingError(f'chunks of {rows} rows; at least 1 expected')
         with open_lines(self.path) as (lines, share):
-            _, (line, header), left = read_header(self.path, lines)
-            places = [find_column(line, header, name) for name in (self.time_column, *names)]
-            numbers = parse_rows(header, places, islice(left, rows))
-            if not len(numbers):
-                raise RecordingError(f'{line}: no rows of numbers after the names')
-            while len(numbers):
-                yield numbers[:, 0], numbers[:, 1:], share()
-                numbers = parse_rows(header, places, islice(left, rows))
+            header = read_header(self.path, lines)
+            places = [
+                find_column(header.line, header.names, name) for name in (*self.time.names, *names)
+            ]
+            first, left = header.peek_rows(FIRST_ROWS)
+            if not first:
+                raise RecordingError(f'{header.line}: no rows of numbers after the names')
+            comma = header.delimiter != ',' and has_decimal_commas(first, places)
+            m = len(self.time.names)
+            while len(numbers := parse_rows(header.names, m, places, islice(left, rows), comma)):
+                times = self.time.to_seconds(header.line, numbers[:, :m])
+                yield times, numbers[:, m:], share()
