@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from ..errors import LinkedPlaneError
 from .argument_types import non_negative_number, positive_count, positive_number
@@ -33,6 +34,8 @@ def run(args: argparse.Namespace) -> None:
     from ..recordings.bags.recording import Recording
 
     recording = Recording.from_bag(args.bag)
+    for fault in recording.faults:
+        print(f'linkedplane: warning: {recording.path}: {fault}', file=sys.stderr)
     length = 1e-9 * (recording.end - recording.start)
     if args.start_offset > length:
         raise LinkedPlaneError(

@@ -169,6 +169,7 @@ def read_answers(
                 names = dict(read_label(dim.label) for dim in message.layout.dim) | names
                 if wanted[topic] == 'band_lengths':  # the first answer to a frame
                     answered += frames
+        bag.require_whole()
     return answered, answers, names
 
 

@@ -139,6 +139,8 @@ class BagMotion:
         with closing(open_bag(path)) as bag:
             self.start: int = bag.start_time
             self.count: int = bag.message_count
+            if bag.faults:
+                self.facts = {**self.facts, 'damage': '; '.join(bag.faults)}
 
     @staticmethod
     def from_joint_states(
@@ -265,6 +267,9 @@ class BagMotion:
         """Count what the bag should have of the frames' messages; note what else is missing."""
         accepts = self.frame_reader.accepts
         read = {each.topic for each in bag.connections if accepts(each.topic, each.kind)}
+        bag.check()
+        for fault in bag.faults:
+            self.refused.notes.append(f'warning: {self.path}: {fault}')
         for loss in bag.losses():
             if loss.topic in read:
                 self.refused.add(loss.reason, loss.where, loss.number)

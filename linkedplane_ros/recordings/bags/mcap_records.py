@@ -9,14 +9,16 @@ from typing import BinaryIO, NamedTuple
 
 MAGIC = b'\x89MCAP0\r\n'
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = range(1, 7)
+MESSAGE_INDEX, CHUNK_INDEX, ATTACHMENT = 7, 8, 9
 STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = 11, 12, 13, 14, 15
-MESSAGE_INDEX, CHUNK_INDEX = 7, 8
+FIRST_PRIVATE = 0x80  # opcodes from here on are for everybody's own use
 
 RECORD = Struct('<BQ')  # opcode, bytes that follow
 MESSAGE_HEAD = Struct('<HIQQ')  # channel, sequence, log time, publish time
 RECORD_AND_MESSAGE = Struct('<BQHIQQ')
 CHUNK_HEAD = Struct('<QQQI')  # first time, last time, uncompressed size, CRC
 FOOTER_SIZE = RECORD.size + 20
+CRC_SIZE = 4
 
 
 class McapFault(Exception):
@@ -90,6 +92,9 @@ class Statistics(NamedTuple):
 
     messages: int
     channels: int
+    attachments: int
+    metadata: int
+    chunks: int
     start: int
     end: int
     by_channel: dict[int, int]
@@ -117,13 +122,14 @@ def read_statistics(content: bytes) -> Statistics:
     """Return what a statistics record counts."""
     fields = Fields(content)
     messages, _, channels = fields.number(8), fields.number(2), fields.number(4)
-    fields.raw(12)  # attachments, metadata, chunks
+    attachments, metadata, chunks = (fields.number(4) for _ in range(3))
     start, end, rest = fields.number(8), fields.number(8), Fields(fields.data())
     by_channel = {}
     while rest.more():
         channel = rest.number(2)
         by_channel[channel] = rest.number(8)
-    return Statistics(messages, channels, start, end, by_channel)
+    others = attachments, metadata, chunks
+    return Statistics(messages, channels, *others, start, end, by_channel)
 
 
 def walk_records(file: BinaryIO, begin: int, end: int) -> Iterator[Record]:
@@ -140,6 +146,8 @@ def walk_records(file: BinaryIO, begin: int, end: int) -> Iterator[Record]:
         if len(head) < RECORD.size:
             raise McapFault(f'byte {begin}: the file ends in the head of a record')
         opcode, size = RECORD.unpack(head)
+        if opcode == 0:
+            raise McapFault(f'byte {begin}: 0, which begins no record')
         if begin + RECORD.size + size > end:
             raise McapFault(f'byte {begin}: a record of {size} bytes goes beyond the end')
         yield Record(opcode, begin + RECORD.size, size)
@@ -156,5 +164,7 @@ def records_inside(content: bytes) -> Iterator[tuple[int, int, int]]:
         place += RECORD.size
         if place + size > end:
             raise McapFault('a record goes beyond the end of its chunk')
+        if opcode == MESSAGE and size < MESSAGE_HEAD.size:
+            raise McapFault(f'a message of {size} bytes')
         yield opcode, place, place + size
         place += size

@@ -35,12 +35,20 @@ class BagFile(Protocol):
     profile: str
     connections: dict[int, Connection]
     strays: Counter[str]
+    faults: list[str]
+    """What is damaged and was left out, a line each; some is met only as messages are read."""
     message_count: int
     start: int
     end: int
 
     def messages(self, wanted: dict[int, Connection], begin: int) -> Iterator[RecordedMessage]:
         """Yield messages in the order of time."""
+
+    def check(self) -> None:
+        """Look for damage that reading the messages does not meet.
+
+        RecordingError where a message may be another than was written.
+        """
 
     def close(self) -> None:
         """Close the file."""
@@ -197,6 +205,39 @@ class Bag:
     def read_message(self, connection: Connection, data: bytes) -> Any:
         """Return a message from its bytes; any error of a library if they are damaged."""
         return self._reader.read_message(connection, data)
+
+    @property
+    def faults(self) -> list[str]:
+        """What is damaged and was left out as far as it was read, a line each."""
+        inside = self._metadata is not None
+        return [
+            f'{file.path.name}: {fault}' if inside else fault
+            for file in self._files
+            for fault in file.faults
+        ]
+
+    def check(self) -> None:
+        """Look for damage that was not met, after all messages have been read.
+
+        Raises
+        ------
+        RecordingError
+            Where a message may be another than was written.
+        """
+        for file in self._files:
+            file.check()
+
+    def require_whole(self) -> None:
+        """Refuse a bag of which something was left out as it was read.
+
+        Raises
+        ------
+        RecordingError
+            With the first fault.
+        """
+        self.check()
+        if self.faults:
+            raise RecordingError(f'{self.path}: damaged: {self.faults[0]}')
 
     def losses(self) -> Iterator[Loss]:
         """Yield what is missing, after all messages have been read."""

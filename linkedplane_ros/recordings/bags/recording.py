@@ -27,6 +27,8 @@ class Recording:
     """The time of its last message of any kind, ns since the epoch."""
     count: int
     """How many JointStates it holds."""
+    faults: tuple[str, ...] = ()
+    """What is damaged in it and left out, a line each, as far as opening it shows."""
 
     @staticmethod
     def from_bag(path: str | Path) -> Recording:
@@ -50,7 +52,7 @@ class Recording:
                 kinds = ', '.join(sorted({c.kind for c in bag.connections})) or 'nothing'
                 raise RecordingError(f'{path}: no {JOINT_STATE} in it, but {kinds}')
             topics = tuple(sorted({c.topic for c in chosen if c.msgcount}))
-            return Recording(path, topics, bag.start_time, bag.end_time, count)
+            return Recording(path, topics, bag.start_time, bag.end_time, count, tuple(bag.faults))
 
     def messages(self, start_offset: float = 0.0) -> Iterator[RecordedMessage]:
         """Yield the JointStates in recorded order.
@@ -68,4 +70,7 @@ class Recording:
         begin = self.start + round(1e9 * start_offset)
         with closing(open_bag(self.path)) as bag:
             chosen = [c for c in bag.connections if c.kind == JOINT_STATE]
+            known = len(bag.faults)
             yield from bag.messages(chosen, start=begin)
+            if met := bag.faults[known:]:
+                raise RecordingError(f'{self.path}: damaged: {met[0]}')

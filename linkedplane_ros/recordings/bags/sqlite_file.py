@@ -8,6 +8,7 @@ encoding that it does not know.
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import sqlite3
 from collections import Counter
@@ -22,6 +23,7 @@ from ...errors import RecordingError
 from .connections import CDR, QOS, TYPE_HASH, Connection, RecordedMessage, TypeDefinition
 
 TABLES = ('topics', 'messages')
+HEAD_SIZE = 100  # bytes: https://www.sqlite.org/fileformat2.html, 1.3
 UNFINISHED = ('-wal', '-journal')  # beside a database that was not closed
 
 
@@ -43,6 +45,7 @@ class SqliteFile:
         """Read the topics."""
         self.path = path
         self.strays: Counter[str] = Counter()
+        self.faults: list[str] = []
         self.storage, self.profile = 'sqlite3', 'ros2'
         self._stack = ExitStack()
         try:
@@ -50,7 +53,7 @@ class SqliteFile:
             self._open()
         except sqlite3.Error as error:
             self.close()
-            raise RecordingError(f'{path}: not a readable rosbag2: {error}') from None
+            raise self._refusal('not a readable rosbag2', error) from None
         except BaseException:
             self.close()
             raise
@@ -149,7 +152,43 @@ class SqliteFile:
                 if connection is not None and time >= begin:
                     yield RecordedMessage(connection, time, data)
         except sqlite3.Error as error:
-            raise RecordingError(f'{self.path}: damaged: {error}') from None
+            raise self._refusal('damaged', error) from None
+
+    def check(self) -> None:
+        """Let SQLite look at all pages and at the index, after all messages have been read.
+
+        Raises
+        ------
+        RecordingError
+            If something is not as it was written.
+        """
+        try:
+            [(first,)] = self._query('PRAGMA integrity_check(1)')
+        except sqlite3.Error as error:
+            raise self._refusal('damaged', error) from None
+        if first != 'ok':
+            raise self._refusal('damaged', ' '.join(str(first).split()))
+
+    def _refusal(self, what: str, reason: object) -> RecordingError:
+        """Return the refusal of the file; with the way to what is whole if it is damaged."""
+        text = f'{self.path}: {what}: {reason}'
+        pages = self._missing_bytes()
+        if pages:
+            text += f'; the file is cut short, {pages:,} bytes are missing'
+        if what == 'damaged' or pages or 'malformed' in text:
+            name = shlex.quote(str(self.path))
+            text += f'; `sqlite3 {name} .recover | sqlite3 recovered.db3` keeps what is whole'
+        return RecordingError(text)
+
+    def _missing_bytes(self) -> int:
+        """Return how many bytes less the file has than its head says."""
+        with self.path.open('rb') as file:
+            head = file.read(HEAD_SIZE)
+            size = file.seek(0, 2)
+        if len(head) < HEAD_SIZE:
+            return 0
+        page, pages = int.from_bytes(head[16:18], 'big'), int.from_bytes(head[28:32], 'big')
+        return max(0, pages * (2**16 if page == 1 else page) - size)
 
     def close(self) -> None:
         """Close the file."""
