@@ -41,7 +41,7 @@ def start(context: LaunchContext) -> list[Action]:
     values = context.launch_configurations
     node = MuscleNode.from_arguments(context, values)
     clock = node.parameters['use_sim_time']
-    actions = [node.start(), *player_actions(values, [node.input_topic], clock)]
+    actions = [node.start(), *player_actions(values, [node.input_topic], clock, node.joint_names)]
     if values['parent_frame']:
         actions.append(
             Node(

@@ -105,6 +105,35 @@ def test_the_topic_in_a_recordings_file_is_found(tmp_path: Path) -> None:
     assert played(DELTOID, bag=str(file))[-1] == '/recorded:=/joint_states'
 
 
+@requires('rosbags')
+@pytest.mark.parametrize(
+    ('arguments', 'rules'),
+    [
+        ({}, ['/arm/joint_states:=/joint_states']),
+        ({'joint_names': '[elbow, flexion, rotation]'}, ['/arm/joint_states:=/joint_states']),
+        ({'joint_states': '/arm/joint_states'}, []),
+    ],
+)
+def test_the_topic_that_has_the_joints_is_played(
+    tmp_path: Path, arguments: dict[str, str], rules: list[str]
+) -> None:
+    arm, hand = (
+        played_bags.joint_states(topic) for topic in ('/arm/joint_states', '/joint_states')
+    )
+    bag = str(played_bags.write_bag(tmp_path / 'bag', [*arm, *hand[:1]]))  # flexion alone
+    command = played(DELTOID, bag=bag, **arguments)
+    assert command[7:] == (['--remap', *rules] if rules else [])
+
+
+@requires('rosbags')
+def test_where_no_topic_has_the_joints_each_is_named_with_its_own(tmp_path: Path) -> None:
+    sent = [*played_bags.joint_states('/arm'), *played_bags.joint_states('/hand')]
+    bag = str(played_bags.write_bag(tmp_path / 'bag', sent))
+    fault = 'no topic has the joints a, b, c; bag_topic:=/arm: flexion, .*; bag_topic:=/hand: flex'
+    with pytest.raises(LinkedPlaneError, match=fault):
+        list_started(DELTOID, bag=bag, joint_names='[a, b, c]')
+
+
 @pytest.mark.parametrize(
     ('topics', 'others', 'fault'),
     [

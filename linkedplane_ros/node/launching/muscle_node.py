@@ -18,6 +18,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from launch import LaunchContext
 
 from ...errors import LinkedPlaneError
+from ...joints.conventions import JOINT_CONVENTIONS
 from ...muscle.broad_muscle import BroadMuscle
 from ..parameters import Value
 from ..settings import check_values, list_muscles, load_muscles
@@ -115,6 +116,13 @@ class MuscleNode:
     def frame_id(self) -> str:
         """The frame of the outputs."""
         return str(self.parameters['frame_id'])
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that the node takes."""
+        checked = check_values(self.parameters)
+        convention = JOINT_CONVENTIONS[checked['joint_convention']]
+        return tuple(checked['joint_names']) or convention.coordinates
 
     @property
     def marker_topic(self) -> str:

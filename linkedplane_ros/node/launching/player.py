@@ -8,19 +8,26 @@ a library that does not come with ROS.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from contextlib import closing, suppress
 from pathlib import Path
 from posixpath import join
 
 from launch.actions import ExecuteProcess
 
 from ...errors import LinkedPlaneError, RecordingError
-from ...recordings.bags.topics import JOINT_STATE, choose_joint_topic, list_topics
+from ...recordings.bags.opening import open_bag
+from ...recordings.bags.topics import (
+    JOINT_STATE,
+    choose_joint_topic,
+    list_topics,
+    read_joint_names,
+)
 from ..parameters import is_finite_number
 from .arguments import parse_argument
 
 
 def player_actions(
-    values: Mapping[str, str], wanted: Collection[str], clock: bool
+    values: Mapping[str, str], wanted: Collection[str], clock: bool, joints: Collection[str] = ()
 ) -> list[ExecuteProcess]:
     """Return the action that plays the recording of the arguments; none if there is none.
 
@@ -32,6 +39,8 @@ def player_actions(
         The full names of the topics on which the nodes expect joint states.
     clock
         Whether the recorded time is published on /clock.
+    joints
+        The joints that the one node takes; empty: several nodes take what they are given.
 
     Raises
     ------
@@ -45,7 +54,7 @@ def player_actions(
     delay = parse_argument('delay', values['delay'])
     if not is_finite_number(delay) or delay < 0.0:
         raise LinkedPlaneError(f'delay: {values["delay"]} given, seconds from 0 expected')
-    rules = remap_joint_states(bag, values['bag_topic'], set(wanted))
+    rules = remap_joint_states(bag, values['bag_topic'], set(wanted), joints)
     command = ['ros2', 'bag', 'play', '--loop', str(bag)]
     command += ['--delay', str(float(delay))] if delay else []  # 0 is refused
     command += ['--clock'] if clock else []
@@ -53,7 +62,9 @@ def player_actions(
     return [ExecuteProcess(cmd=command, output='screen')]
 
 
-def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
+def remap_joint_states(
+    bag: Path, chosen: str, wanted: set[str], joints: Collection[str] = ()
+) -> list[str]:
     """Return the rules by which a recording's joint states reach the topics that are wanted.
 
     Parameters
@@ -61,10 +72,12 @@ def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
     bag
         The recording's folder, or one of its files.
     chosen
-        The recording's topic of joint states; empty: the one that is wanted, /joint_states, or the
-        only one.
+        The recording's topic of joint states; empty: the one that has the joints, if the recording
+        can be read here, else the one that is wanted, /joint_states, or the only one.
     wanted
         The full names of the topics.
+    joints
+        The joints that are taken from it; empty: any.
 
     Raises
     ------
@@ -87,7 +100,9 @@ def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
             ) from None
         recorded = [(topic, JOINT_STATE)]
     held = {name for name, kind in recorded if kind == JOINT_STATE}
-    if topic is None and wanted <= held:
+    names = read_names(bag) if topic is None and joints and len(held) > 1 else None
+    has_joints = names is None or all(set(joints) <= set(names.get(each, ())) for each in wanted)
+    if topic is None and wanted <= held and has_joints:
         return []
     if len(wanted) > 1:
         raise RecordingError(
@@ -95,5 +110,12 @@ def remap_joint_states(bag: Path, chosen: str, wanted: set[str]) -> list[str]:
             f'listen on {listening}; left_joint_states:=TOPIC and right_joint_states:=TOPIC '
             'choose others'
         )
-    topic = choose_joint_topic(bag, recorded, topic, 'bag_topic:=TOPIC')
+    topic = choose_joint_topic(bag, recorded, topic, 'bag_topic:={}', names, joints)
     return [f'{topic}:={goal}' for goal in wanted if goal != topic]
+
+
+def read_names(bag: Path) -> dict[str, list[str]] | None:
+    """Return the joints of each topic of joint states; None if the recording cannot be read."""
+    with suppress(RecordingError), closing(open_bag(bag)) as opened:
+        return read_joint_names(opened)
+    return None

@@ -49,8 +49,8 @@ def read_metadata(bag: Path) -> BagMetadata:
     try:
         content = yaml.safe_load(path.read_text(encoding='utf-8'))['rosbag2_bagfile_information']
         version = int(content.get('version') or BEFORE_FOLDERS)
-        names = [str(each) for each in content['relative_file_paths'] or ()]
-        topics = tuple(map(read_topic, content.get('topics_with_message_count') or ()))
+        names = [str(each) for each in content.get('relative_file_paths') or ()]
+        topics = tuple(map(read_topic, content['topics_with_message_count'] or ()))
         mode = str(content.get('compression_mode') or '').lower()
         packed = str(content.get('compression_format') or '')
     except OSError as error:

@@ -81,7 +81,7 @@ def choose_joint_topic(
         The one that the user chose; None: the only one that has all joints that are wanted, else
         /joint_states, if it has one of them, or the only one.
     option
-        How a user chooses one.
+        How a user chooses one, with {} for it.
     joints
         The joints of each topic of joint states; None: not known.
     wanted
@@ -104,13 +104,14 @@ def choose_joint_topic(
     if joints is None:
         if DEFAULT_TOPIC in held:
             return DEFAULT_TOPIC
+        choice = option.format('TOPIC')
         raise RecordingError(
-            f'{path}: joint states on {", ".join(sorted(held))}; choose one with {option}'
+            f'{path}: joint states on {", ".join(sorted(held))}; choose one with {choice}'
         )
-    complete = [name for name in held if set(wanted) <= set(joints[name])]
+    complete = [name for name in held if set(wanted) <= set(joints.get(name, ()))]
     if len(complete) == 1:
         return complete[0]
-    if DEFAULT_TOPIC in (complete or held) and set(wanted) & set(joints[DEFAULT_TOPIC]):
+    if DEFAULT_TOPIC in (complete or held) and set(wanted) & set(joints.get(DEFAULT_TOPIC, ())):
         return DEFAULT_TOPIC
     those = 'several topics have' if complete else 'no topic has'
     hints = hint_topics(joints, option)
@@ -119,7 +120,8 @@ def choose_joint_topic(
 
 def hint_topics(joints: Mapping[str, Collection[str]], option: str) -> str:
     """Return how each topic of joint states is chosen, and its joints."""
-    return ''.join(f'; {option} {name}: {list_joints(joints[name])}' for name in sorted(joints))
+    hints = (f'; {option.format(name)}: {list_joints(joints[name])}' for name in sorted(joints))
+    return ''.join(hints)
 
 
 def list_joints(names: Collection[str]) -> str:
