@@ -14,11 +14,8 @@ PROGRAM = [sys.executable, '-m', 'linkedplane_ros.commands']
 
 
 def exit_status(*arguments: Any) -> int:
-    """Return the exit status of a command, however it ends."""
-    try:
-        return main([str(argument) for argument in arguments])
-    except SystemExit as end:
-        return int(end.code or 0)
+    """Return the exit status of a command."""
+    return main([str(argument) for argument in arguments])
 
 
 def command_output(capsys: pytest.CaptureFixture[str], *arguments: Any) -> str:

@@ -38,15 +38,18 @@ ANSWERS = tuple(topic for topic in TOPICS if topic != 'markers')
 
 
 LEFT: list[subprocess.Popen[bytes]] = []  # started by the test that runs
+READERS: list[Reader] = []  # made by the test that runs
 
 
 def end_what_is_left() -> None:
-    """End every process that a test has started and not stopped."""
+    """End every process that a test has started and not stopped, and every reader it has made."""
     for process in LEFT:
         if process.poll() is None:
             process.kill()
             process.wait()
     LEFT.clear()
+    for reader in list(READERS):
+        reader.destroy_node()
 
 
 class NodeProcess:
@@ -118,6 +121,13 @@ class Reader(Node):
         self.executor_of_its_own = ReleasingExecutor(context=context)
         self.executor_of_its_own.add_node(self)
         self.readers: list[Subscription] = []
+        READERS.append(self)
+
+    def destroy_node(self) -> None:
+        """Leave the graph, if that has not been done."""
+        if self in READERS:
+            READERS.remove(self)
+            super().destroy_node()
 
     def keep(self, kind: Any, topic: str, kept: Callable[[Any], None], **how: Any) -> None:
         """Subscribe a topic, reliable and deep enough to lose nothing."""

@@ -68,6 +68,8 @@ def main(args: Sequence[str] | None = None) -> int:
     except ValueError as error:  # ours, or a library's for what it found in a file
         print(f'linkedplane: {error}', file=sys.stderr)
         return exit_status(error)
+    except SystemExit as end:  # of argparse, or with what a command found out
+        return end.code if isinstance(end.code, int) else 0
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:  # the reader of the output has closed it

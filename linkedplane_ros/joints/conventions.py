@@ -194,7 +194,7 @@ class JointConvention:
         Returns
         -------
         Floats
-            (3,) rad.
+            (3,) rad, each in (-pi, pi].
 
         Raises
         ------
@@ -246,7 +246,8 @@ class JointConvention:
 
 
 def _unmix(mix: Floats, turns: Floats) -> Floats:
-    return np.asarray(np.linalg.solve(mix, turns), dtype=np.float64)
+    """Return the angles of turns, each in (-pi, pi]: a whole turn of any is none."""
+    return np.array([principal_angle(each) for each in np.linalg.solve(mix, turns).tolist()])
 
 
 def as_triple(name: str, values: Any, unit: str) -> Triple:
@@ -319,6 +320,8 @@ def angle_about(axis: Floats, start: Floats, end: Floats) -> float:
 
 def principal_angle(angle: float) -> float:
     """Return the angle in (-pi, pi]."""
+    if -np.pi < angle <= np.pi:
+        return float(angle)
     return float(np.pi - (np.pi - angle) % (2.0 * np.pi))
 
 

@@ -17,6 +17,7 @@ from ..types import Floats, Interval
 from . import file, scaling, writing
 from .definition import Definition, define_in_metres, expand_frame, require_frame, unit_vector
 from .parts import COORDINATES, Head, Landmark, whole_head
+from .range_of_motion import find_in_range
 from .scaling import Scale
 from .validity import (
     check_distinct,
@@ -313,7 +314,7 @@ class BroadMuscle:
     def count_outside_range(self, rotations: Floats) -> int:
         """Return how many rotations lie outside the range of motion.
 
-        A rotation has two triples of flexion, abduction and rotation; it is outside if both are.
+        A rotation is outside if every triple of flexion, abduction and rotation that gives it is.
 
         Parameters
         ----------
@@ -328,21 +329,7 @@ class BroadMuscle:
         """
         if self.range_of_motion is None:
             return 0
-        R = rotations
-        abduction = -np.arcsin(np.clip(R[:, 0, 2], -1.0, 1.0))
-        flexion = np.arctan2(-R[:, 1, 2], R[:, 2, 2])
-        rotation = np.arctan2(-R[:, 0, 1], R[:, 0, 0])
-        within = np.zeros(len(R), dtype=bool)
-        for angles in (
-            (flexion, abduction, rotation),
-            (flexion + np.pi, np.pi - abduction, rotation + np.pi),
-        ):
-            this = np.ones(len(R), dtype=bool)
-            for angle, (low, high) in zip(angles, self.range_of_motion, strict=True):
-                above = (angle - low + 1e-9) % (2.0 * np.pi)
-                this &= above <= high - low + 2e-9
-            within |= this
-        return int((~within).sum())
+        return int((~find_in_range(rotations, self.range_of_motion)).sum())
 
     @property
     def sphere_frames(self) -> tuple[str, ...]:

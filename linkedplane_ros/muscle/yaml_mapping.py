@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from ..errors import ModelError
+from ..errors import ModelError, describe_value
 
 
 class UniqueKeyLoader(yaml.SafeLoader):
@@ -151,8 +152,8 @@ class YamlMapping:
 
     def _number(self, key: str, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            hint = '; write 1.0e-3, not 1e-3' if isinstance(value, str) and 'e' in value else ''
-            raise self.fault(key, f'a number expected, {value!r} given{hint}')
+            hint = '; write 1.0e-3, not 1e-3' if is_exponential(value) else ''
+            raise self.fault(key, f'a number expected, {describe_value(value)} given{hint}')
         try:
             number = float(value)
         except OverflowError:
@@ -160,6 +161,11 @@ class YamlMapping:
         if not math.isfinite(number):
             raise self.fault(key, f'a finite number expected, {number} given')
         return number
+
+
+def is_exponential(value: Any) -> bool:
+    """Return whether a value is text such as 1e-3, which YAML 1.1 does not take for a number."""
+    return isinstance(value, str) and re.fullmatch(r'[-+]?[\d.]+[eE][-+]?\d+', value) is not None
 
 
 def describe_kind(value: Any) -> str:

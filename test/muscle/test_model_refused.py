@@ -37,6 +37,14 @@ def test_a_wrong_value_is_named_with_its_file_key_and_reason(
     assert reason in message
 
 
+@pytest.mark.parametrize('text', ['hello', 'one', 'e', '1e', '1 000'])
+def test_only_a_number_is_told_how_yaml_writes_it(
+    text: str, content: Content, write: Write
+) -> None:
+    message = refusal(write(spoil(content, 'sphere.radius', [text])))
+    assert message.endswith(f'a number expected, {text!r} given')
+
+
 @pytest.mark.parametrize('frame', ['ground', 'humerus', ['ground'] * 9])
 def test_points_of_a_moving_frame_are_refused_where_there_is_none(
     frame: Any, content: Content, write: Write

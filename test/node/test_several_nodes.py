@@ -33,6 +33,8 @@ def test_several_nodes_share_a_process_and_an_executor(peer: Peer) -> None:
             assert peer.answers(k + 1)
             assert reader.answers(k + 1)
         assert peer.until(lambda: len(ticks) > 5)
+    for node in (left, right, bystander, reader):
+        node.destroy_node()
     mirrored = [np.array(p.got['moment_vectors'][-1].data).reshape(-1, 3) for p in (peer, reader)]
     np.testing.assert_allclose(mirrored[0] * (1, -1, -1), mirrored[1], rtol=0, atol=1e-12)
     np.testing.assert_allclose(
