@@ -37,6 +37,10 @@ class Rejected(LinkedPlaneError):
         self.reason = reason
 
 
+class OtherJoints(Rejected):
+    """A message of other joints alone, as a hand's or another arm's on the same topic."""
+
+
 @dataclass(frozen=True)
 class JointMap:
     """Which joints are the convention's coordinates: angle = sign * position + offset.
@@ -91,7 +95,7 @@ class JointMemory:
     """rad, by the joint's name."""
     velocities: dict[str, float] = field(default_factory=dict)
     """rad/s, by the joint's name."""
-    _names: list[str] = field(default_factory=list)
+    _names: list[str] | None = None
     _places: list[tuple[str, int]] = field(default_factory=list)
 
     def take_message(
@@ -155,7 +159,7 @@ class JointMemory:
             last = {name: i for i, name in enumerate(names)}
             places = [(name, last[name]) for name in self.joints.names if name in last]
             if not places:
-                raise Rejected(
+                raise (OtherJoints if names else Rejected)(
                     'no_joint',
                     f'none of the joints {", ".join(self.joints.names)} in it, but '
                     f'{summarize_names(names)}; set joint_names or joint_convention',

@@ -16,11 +16,12 @@ import yaml
 from ..drawing.processed import ProcessedRecording
 from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS
-from ..joints.joint_state import JointMap, JointMemory, Rejected
+from ..joints.joint_state import JointMap, JointMemory, OtherJoints
 from ..libraries import advise_install
 from ..recordings.bag_motion import JointFrameReader
 from ..recordings.bags.opening import open_bag
-from ..recordings.motion import Frame
+from ..recordings.motion import Frame, Place
+from ..recordings.stamps import read_stamp
 from ..types import Floats
 from .outputs import facts_file
 from .topics import BAND, COORDINATE, moment_arm_names, read_label
@@ -135,7 +136,7 @@ def read_bag_columns(path: Path, muscle: str, frame_reader: JointFrameReader) ->
     frames, answers, names = read_answers(path, muscle, frame_reader)
     bands, coordinates = names[BAND], names[COORDINATE]
     angles = np.array([frame.angles for frame in frames])
-    columns = {'time': np.array([frame.stamp for frame in frames]) * 1e-9}
+    columns = {'time': np.array(answers['band_states']) * 1e-9}
     columns |= {f'angles/{name}': each for name, each in zip(coordinates, angles.T, strict=True)}
     for topic in ('band_lengths', 'wrap_states'):
         values = np.array(answers[topic]).T
@@ -152,7 +153,7 @@ def read_answers(
     The labels are the names of bands and coordinates, by the kind of the dimension.
     """
     wanted = {f'/{muscle}/{name}': name for name in ('band_lengths', 'moment_arms', 'wrap_states')}
-    answers: dict[str, list[Any]] = {name: [] for name in wanted.values()}
+    answers: dict[str, list[Any]] = {name: [] for name in (*wanted.values(), 'band_states')}
     frames: list[Frame] = []
     answered: list[Frame] = []
     names: dict[str, tuple[str, ...]] = {}
@@ -161,8 +162,11 @@ def read_answers(
             topic = connection.topic
             if frame_reader.accepts(topic, connection.kind):
                 message = bag.read_message(connection, data)
-                with suppress(Rejected):
-                    frames = list(frame_reader.read_frames(message, topic, time))
+                with suppress(OtherJoints):
+                    made = list(frame_reader.read_frames(message, topic, Place(0, time)))
+                    frames = [each for each in made if isinstance(each, Frame)] or frames
+            elif topic == f'/{muscle}/band_states':  # their stamps are those of the frames
+                answers['band_states'].append(read_stamp(topic, connection.kind, data))
             elif topic in wanted:
                 message = bag.read_message(connection, data)
                 answers[wanted[topic]].append(message.data)

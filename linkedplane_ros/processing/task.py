@@ -241,7 +241,7 @@ def _run(task: Task, progress: Progress) -> Report:
         perf_counter() - begin,
         dict(refused.counts),
         dict(refused.first),
-        tuple(refused.notes),
+        (*refused.notes, *refused.warn()),
         outside,
     )
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,12 +13,14 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
-from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, Rejected
+from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, OtherJoints, Rejected
 from .bags.connections import Connection, RecordedMessage
 from .bags.opening import Bag, open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
-from .motion import ROWS, Chunk, Frame, Refusals
-from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
+from .motion import ROWS, Chunk, Frame, Place, Refusals, Refused
+from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader, stamp_in_nanoseconds
+from .stamps import find_unstamped, read_stamp
+from .stretches import TimeWatch
 from .units import AngleRange, AngleUnit, decide_unit, name_words
 
 BATCH_BYTES = 2**24  # of a bag's messages, held at a time
@@ -47,13 +49,10 @@ class FrameReader(Protocol):
     def accepts(self, topic: str, kind: str) -> bool:
         """Return whether a topic's messages of a type are read."""
 
-    def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
-        """Yield the frames that a message completes, recorded at a time in ns.
+    def read_frames(self, message: Any, topic: str, place: Place) -> Iterator[Frame | Refused]:
+        """Yield the frames that a message completes; OtherJoints if it is of none of them."""
 
-        Rejected where it cannot be used.
-        """
-
-    def last_frames(self) -> Iterator[Frame]:
+    def last_frames(self) -> Iterator[Frame | Refused]:
         """Yield the frames that only the end of the recording completes."""
 
     def unused_messages(self) -> Iterator[tuple[str, int, str]]:
@@ -90,20 +89,26 @@ class JointFrameReader:
         """Return whether these are the joint states chosen."""
         return kind == JOINT_STATE and topic == self.topic
 
-    def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
-        """Yield the one frame of a message."""
+    def read_frames(self, message: Any, topic: str, place: Place) -> Iterator[Frame | Refused]:
+        """Yield the one frame of a message; OtherJoints if it has none of the joints."""
         positions, velocities = message.position, message.velocity
         if not self.unit.said:
             self.met.extend_named(message.name, positions)
         elif self.unit.degrees:
             positions, velocities = np.radians(positions), np.radians(velocities)
-        angles, speeds, _ = self.memory.take_message(
-            message.name, positions.tolist(), velocities.tolist()
-        )
-        stamp = message.header.stamp
-        yield Frame(stamp.sec * 10**9 + stamp.nanosec, time, angles, speeds)
+        try:
+            angles, speeds, _ = self.memory.take_message(
+                message.name, positions.tolist(), velocities.tolist()
+            )
+        except OtherJoints:
+            raise
+        except Rejected as error:
+            yield Refused(error.reason, str(error), place)
+            return
+        stamp = place.time if place.unstamped else stamp_in_nanoseconds(message.header.stamp)
+        yield Frame(stamp, place, angles, speeds)
 
-    def last_frames(self) -> Iterator[Frame]:
+    def last_frames(self) -> Iterator[Frame | Refused]:
         """Yield nothing: no message waits for another."""
         yield from ()
 
@@ -133,9 +138,15 @@ class BagMotion:
         self.path: Path = path
         self.refused: Refusals = Refusals()
         self.frame_reader = frame_reader
+        self.others = 0
+        """How many messages were of other joints alone."""
+        self.first_other = ''
         self.unit, self.met = frame_reader.unit, frame_reader.met
-        self.facts: Mapping[str, str] = frame_reader.facts
-        self.keeps_records = True
+        self.facts: Mapping[str, str] = {
+            **frame_reader.facts,
+            'stamps': 'of the headers; where these are 0, not filled in, the recorded times',
+        }
+        self.keeps_records = self.wants_speeds = True
         with closing(open_bag(path)) as bag:
             self.start: int = bag.start_time
             self.count: int = bag.message_count
@@ -239,29 +250,70 @@ class BagMotion:
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames, and all messages of the bag between them."""
+        watch = TimeWatch(self.refused, 'message')
         number = 0
         with closing(open_bag(self.path)) as bag:
-            for batch in self._read_batches(bag):
+            for batch, unstamped in self._find_stamps(bag):
                 frames: list[Frame] = []
                 follows: list[int] = []
                 for k, (connection, time, data, *_) in enumerate(batch.records):
-                    if not self.frame_reader.accepts(connection.topic, connection.kind):
-                        continue
-                    number += 1
-                    for frame in self._frames(bag, connection, time, data, number):
-                        frames.append(frame)
-                        follows.append(k)
+                    if self.frame_reader.accepts(connection.topic, connection.kind):
+                        number += 1
+                        place = Place(number, time, k in unstamped)
+                        made = self._frames(bag, connection, data, place)
+                        frames += made
+                        follows += [k] * len(made)
                 if batch.last:
-                    last = self.frame_reader.last_frames()
-                    rest = list(self._count_rejected(last, self._position(number, 0)))
+                    rest = self._keep_usable(self.frame_reader.last_frames())
                     frames += rest
                     follows += [len(batch.records) - 1] * len(rest)
                 if self.met.largest <= FULL_CIRCLE:  # else it is refused, with its whole range
-                    yield self._chunk(frames, follows, batch)
+                    chunk = self._chunk(frames, follows, batch)
+                    watch.check(chunk.stamps, [each.place.number for each in frames])
+                    yield chunk
             self._count_losses(bag)
         self.met.check_circle(self.path)
         for reason, count, where in self.frame_reader.unused_messages():
             self.refused.add(reason, where, count)
+        if number == self.others and self.others:
+            self.refused.add('no_joint', self.first_other, self.others)
+        elif self.others:
+            of = f'{self.others:,} messages of other joints'
+            self.refused.notes.append(f'{of} passed over, first at {self.first_other}')
+
+    def _find_stamps(self, bag: Bag) -> Iterator[tuple[Batch, Collection[int]]]:
+        """Yield the batches, each with the indices of its messages without a stamp."""
+        batches = self._read_batches(bag)
+        ahead: list[tuple[Batch, list[int], list[int]]] = []
+        while ahead or (batch := next(batches, None)):
+            if not ahead:
+                assert batch is not None
+                ahead.append((batch, *self._read_stamps(batch)))
+            batch, places, stamps = ahead.pop(0)
+            following = 0
+            if stamps and stamps[-1] == 0 and (after := next(batches, None)):
+                ahead.append((after, *self._read_stamps(after)))
+                following = next(filter(None, ahead[0][2]), 0)
+            unstamped = {places[k] for k in find_unstamped(stamps, following)}
+            if unstamped:
+                first = batch.records[min(unstamped)]
+                where = f'{1e-9 * (first[1] - self.start):.2f} s after the start'
+                self.refused.note(
+                    'unstamped',
+                    f'a header without a stamp (0), {where}: the recorded time counts',
+                    len(unstamped),
+                )
+            yield batch, unstamped
+
+    def _read_stamps(self, batch: Batch) -> tuple[list[int], list[int]]:
+        """Return the indices and the stamps of the messages that make frames."""
+        stamps = {
+            k: stamp
+            for k, (connection, _, data, *_) in enumerate(batch.records)
+            if self.frame_reader.accepts(connection.topic, connection.kind)
+            and (stamp := read_stamp(connection.topic, connection.kind, data)) is not None
+        }
+        return list(stamps), list(stamps.values())
 
     def _count_losses(self, bag: Bag) -> None:
         """Count what the bag should have of the frames' messages; note what else is missing."""
@@ -277,25 +329,36 @@ class BagMotion:
                 self.refused.notes.append(f'{loss.number:,} messages not read: {loss.where}')
         self.refused.notes += bag.surpluses()
 
-    def _position(self, number: int, time: int) -> str:
-        return f'message {number}' + (f', {1e-9 * (time - self.start):.2f} s' if time else '')
-
-    def _frames(
-        self, bag: Bag, connection: Connection, time: int, data: bytes, number: int
-    ) -> Iterator[Frame]:
-        """Yield the frames of a message; count it as refused if it cannot be used."""
+    def _frames(self, bag: Bag, connection: Connection, data: bytes, place: Place) -> list[Frame]:
+        """Return the frames of a message; count what cannot be used."""
         try:
             message = bag.read_message(connection, data)
         except Exception as error:
-            raise RecordingError(f'{self.path}: message {number} is damaged: {error}') from None
-        frames = self.frame_reader.read_frames(message, connection.topic, time)
-        yield from self._count_rejected(frames, self._position(number, time))
-
-    def _count_rejected(self, frames: Iterator[Frame], where: str) -> Iterator[Frame]:
+            raise RecordingError(
+                f'{self.path}: message {place.number} is damaged: {error}'
+            ) from None
         try:
-            yield from frames
-        except Rejected as error:
-            self.refused.add(error.reason, f'{where}: {error}')
+            return self._keep_usable(
+                self.frame_reader.read_frames(message, connection.topic, place)
+            )
+        except OtherJoints as error:
+            self.others += 1
+            self.first_other = self.first_other or f'{self._describe_place(place)}: {error}'
+            return []
+
+    def _keep_usable(self, made: Iterator[Frame | Refused]) -> list[Frame]:
+        """Return the frames; count those that are refused, with the place of their message."""
+        frames = []
+        for each in made:
+            if isinstance(each, Frame):
+                frames.append(each)
+            else:
+                where = f'{self._describe_place(each.place)}: {each.text}'
+                self.refused.add(each.reason, where)
+        return frames
+
+    def _describe_place(self, place: Place) -> str:
+        return f'message {place.number}, {1e-9 * (place.time - self.start):.2f} s'
 
     def _chunk(self, frames: list[Frame], follows: list[int], batch: Batch) -> Chunk:
         unknown = (np.nan, np.nan, np.nan)
@@ -304,7 +367,7 @@ class BagMotion:
             stamps=np.array([each.stamp for each in frames], dtype=np.int64),
             angles=np.array([each.angles for each in frames]).reshape(k, 3),
             speeds=np.array([each.speeds or unknown for each in frames]).reshape(k, 3),
-            times=np.array([each.time for each in frames], dtype=np.int64),
+            times=np.array([each.place.time for each in frames], dtype=np.int64),
             share=batch.share,
             records=batch.records if self.keeps_records else (),
             follows=follows,

@@ -29,11 +29,27 @@ class Refusals:
     """Where each reason was first met."""
     notes: list[str] = field(default_factory=list)
     """What else is worth knowing, a line each."""
+    noted: Counter[str] = field(default_factory=Counter)
+    """How often something of which the first place is enough was met, by what it is."""
+    first_noted: dict[str, str] = field(default_factory=dict)
+    """The line on its first place."""
 
     def add(self, reason: str, where: str, count: int = 1) -> None:
         """Count something that cannot be used, and where it stands."""
         self.counts[reason] += count
         self.first.setdefault(reason, where)
+
+    def note(self, what: str, line: str, count: int = 1) -> None:
+        """Count something that is used, and yet worth knowing; the first line is kept."""
+        self.noted[what] += count
+        self.first_noted.setdefault(what, line)
+
+    def warn(self) -> tuple[str, ...]:
+        """Return a line for each kind of what was noted, with its count."""
+        return tuple(
+            f'warning: {line}' + (f' ({self.noted[what]:,} in all)' if self.noted[what] > 1 else '')
+            for what, line in self.first_noted.items()
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +83,32 @@ class Chunk:
         )
 
 
+class Place(NamedTuple):
+    """A message among those that are read."""
+
+    number: int
+    """From 1."""
+    time: int
+    """When it was recorded, ns."""
+    unstamped: bool = False
+    """Whether it has no stamp of its own (0): that time counts instead."""
+
+
+class Refused(NamedTuple):
+    """A frame that cannot be used, and the message that is the reason."""
+
+    reason: str
+    text: str
+    place: Place
+
+
 class Frame(NamedTuple):
     """One frame of a motion."""
 
     stamp: int
     """ns"""
-    time: int
-    """When it was recorded, ns."""
+    place: Place
+    """The message that brought it."""
     angles: Triple
     """rad"""
     speeds: Triple | None = None
@@ -91,6 +126,8 @@ class Motion(Protocol):
     """The angles that were met in the recording, where nobody says their unit."""
     keeps_records: bool
     """Whether a bag's own messages are wanted with the frames."""
+    wants_speeds: bool
+    """Whether velocities are wanted; where not, those that are no recorded ones are left out."""
 
     @property
     def facts(self) -> Mapping[str, str]:

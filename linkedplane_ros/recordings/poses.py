@@ -18,7 +18,7 @@ from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.joint_state import Rejected
 from ..joints.sides import mirror_rotation
 from ..types import Floats, Triple
-from .motion import Frame
+from .motion import Frame, Place, Refused
 from .units import AngleRange, AngleUnit
 
 Quaternion = tuple[float, float, float, float]  # x, y, z, w
@@ -79,12 +79,16 @@ class PoseFrameReader:
     met: AngleRange = field(default_factory=lambda: AngleRange(()))
     _poses: dict[str, Quaternion] = field(default_factory=dict)
     _parents: dict[str, str] = field(default_factory=dict)
-    _waiting: dict[int, dict[str, Quaternion]] = field(default_factory=dict)
+    _origins: dict[str, Place] = field(default_factory=dict)
+    """The message that each pose came with."""
+    _stamps: dict[str, int] = field(default_factory=dict)
+    """The newest stamp of each frame in /tf."""
+    _waiting: dict[int, dict[str, tuple[Quaternion, Place]]] = field(default_factory=dict)
     """Poses on topics, by stamp, that still wait for the other."""
     _unpaired: int = 0
     """How many have waited in vain."""
-    _due: tuple[int, int] | None = None
-    """Stamp and time of the newest move of the humerus in /tf, without its frame so far."""
+    _due: tuple[int, Place] | None = None
+    """Stamp and message of the newest move of the humerus in /tf, without its frame so far."""
     _frames: int = 0
     """How many frames there have been."""
     _topics: set[str] = field(default_factory=set)
@@ -106,29 +110,28 @@ class PoseFrameReader:
         named = topic in (self.bones.humerus, self.bones.base)
         return (named and kind in POSE_TYPES) or kind == TF_TYPE
 
-    def read_frames(self, message: Any, topic: str, time: int) -> Iterator[Frame]:
+    def read_frames(self, message: Any, topic: str, place: Place) -> Iterator[Frame | Refused]:
         """Yield the frames that a message completes; speeds are not known.
 
-        Rejected where the pose cannot be used, or has no angles in the convention.
+        Refused where a pose cannot be used, or has no angles in the convention.
         """
         if not hasattr(message, 'transforms'):
             pose = message.pose if hasattr(message, 'pose') else message.transform
             turn = pose.orientation if hasattr(pose, 'orientation') else pose.rotation
-            yield from self._read_topic(message.header, turn, topic, time)
+            yield from self._read_topic(message.header, turn, topic, place)
             return
-        rejected = None
         for each in message.transforms:
             stamp = stamp_in_nanoseconds(each.header.stamp)
-            if self._due is not None and stamp > self._due[0]:
-                try:
-                    yield from self._due_frame()
-                except Rejected as error:
-                    rejected = error
-            self._store(each, stamp, time)
-        if rejected is not None:
-            raise rejected
+            if stamp == 0 and place.unstamped:
+                stamp = place.time
+            name = each.child_frame_id.lstrip('/')
+            falls = stamp < self._stamps.get(name, stamp)
+            if self._due is not None and (stamp > self._due[0] or falls):
+                yield from self._due_frame()
+            self._stamps[name] = stamp
+            self._store(each, stamp, place)
 
-    def last_frames(self) -> Iterator[Frame]:
+    def last_frames(self) -> Iterator[Frame | Refused]:
         """Yield the frame of the last stamp in /tf."""
         yield from self._due_frame()
 
@@ -149,35 +152,47 @@ class PoseFrameReader:
             return humerus, base
         return humerus.lstrip('/'), base.lstrip('/')
 
-    def _read_topic(self, header: Any, turn: Any, topic: str, time: int) -> Iterator[Frame]:
+    def _read_topic(
+        self, header: Any, turn: Any, topic: str, place: Place
+    ) -> Iterator[Frame | Refused]:
         stamp = stamp_in_nanoseconds(header.stamp)
         self._topics.add(topic)
         self._parents[topic] = header.frame_id.lstrip('/')
         here = self._waiting.setdefault(stamp, {})
-        here[topic] = turn.x, turn.y, turn.z, turn.w
+        here[topic] = (turn.x, turn.y, turn.z, turn.w), place
         if len(here) == 2:
-            self._poses.update(self._waiting.pop(stamp))
+            for name, (pose, origin) in self._waiting.pop(stamp).items():
+                self._poses[name], self._origins[name] = pose, origin
             if self._has_both():
-                yield self._frame(stamp, time)
+                yield self._frame(place.time if place.unstamped else stamp, place)
         elif len(self._waiting) > MOST_WAITING:
             self._unpaired += len(self._waiting.pop(next(iter(self._waiting))))
 
-    def _store(self, transform: Any, stamp: int, time: int) -> None:
+    def _store(self, transform: Any, stamp: int, place: Place) -> None:
         name, turn = transform.child_frame_id.lstrip('/'), transform.transform.rotation
         self._parents[name] = transform.header.frame_id.lstrip('/')
         self._poses[name] = turn.x, turn.y, turn.z, turn.w
+        self._origins[name] = place
         humerus, base = self._names
         if name in set(self._chain(humerus)) - set(self._chain(base)):
-            self._due = stamp, time
+            self._due = stamp, place
 
-    def _due_frame(self) -> Iterator[Frame]:
+    def _due_frame(self) -> Iterator[Frame | Refused]:
         due, self._due = self._due, None
         if due is not None and self._has_both():
             yield self._frame(*due)
 
-    def _frame(self, stamp: int, time: int) -> Frame:
+    def _frame(self, stamp: int, place: Place) -> Frame | Refused:
         self._frames += 1
-        return Frame(stamp, time, self._angles())
+        for name in (*self._chain(self._names[0]), *self._chain(self._names[1])):
+            try:
+                rotation_from_quaternion(*self._poses[name])
+            except Rejected as error:  # the message that brought it is at fault, not the newest
+                return Refused(error.reason, str(error), self._origins[name])
+        try:
+            return Frame(stamp, place, self._angles())
+        except Rejected as error:
+            return Refused(error.reason, str(error), place)
 
     def _explain_missing(self) -> str:
         humerus, base = self._names

@@ -8,14 +8,15 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from ..errors import RecordingError
-from ..types import Floats, Stamps
+from ..types import Bools, Floats, Stamps
 from .bag_motion import BagMotion, Batch
 from .filters import PADDING, differentiate, filter_lowpass, resample
 from .motion import ROWS, Chunk, Motion, seconds_to_nanoseconds
+from .stretches import choose_timely, format_seconds, split_stretches
 
+LATE = 0.5  # usual steps: a frame so far behind another is late; further, time has fallen back
 GAP = 10.0  # usual steps: a longer one is not bridged
 UNEVEN = 1.5  # mean steps: a longer one is uneven
 JUMP = 1.5  # rad from frame to frame: no arm moves so
@@ -24,8 +25,8 @@ JUMP = 1.5  # rad from frame to frame: no arm moves so
 class SmoothedMotion:
     """A motion filtered, brought to a constant rate, and differentiated in time.
 
-    All its angles are in memory at a time; after a gap it starts again. The messages of a bag,
-    where they are wanted, are kept among the new frames.
+    All its angles are in memory at a time; after a gap, and where time falls back, it starts again.
+    The messages of a bag, where they are wanted, are kept among the new frames.
 
     Parameters
     ----------
@@ -43,29 +44,33 @@ class SmoothedMotion:
         self.path, self.refused = motion.path, motion.refused
         self.unit, self.met = motion.unit, motion.met
         self.keeps_records = isinstance(motion, BagMotion)
+        self.wants_speeds = True
         self.facts: Mapping[str, str] = {**motion.facts, 'velocities': 'differentiated'}
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the frames at their new times, with velocities by differences."""
-        self.motion.keeps_records = False
+        self.motion.keeps_records = self.motion.wants_speeds = False
         parts = [(c.stamps, c.times, c.angles) for c in self.motion.chunks() if len(c.stamps)]
         if not parts:
             return
         stamps, recorded, angles = (np.concatenate(each) for each in zip(*parts, strict=True))
-        kept = self._find_increasing(stamps)
+        kept = self._find_usable(stamps)
         stamps, recorded, angles = stamps[kept], recorded[kept], angles[kept]
         times = 1e-9 * (stamps - stamps[0])
-        stretches = [self._smooth(times[one], angles[one]) for one in self._stretches(times)]
+        late = 1e-9 * (recorded - stamps)  # recorded, after its stamp
+        stretches = [
+            (*self._smooth(times[one], angles[one], len(times)), times[one], late[one])
+            for one in self._stretches(times)
+        ]
         if not stretches:
             return
-        new = np.concatenate([each for each, _, _ in stretches])
-        late = np.interp(new, times, 1e-9 * (recorded - stamps))  # recorded, after its stamp
-        stamps = stamps[0] + seconds_to_nanoseconds(new)
+        after = [np.interp(new, old, behind) for new, _, _, old, behind in stretches]
+        stamps = stamps[0] + seconds_to_nanoseconds(np.concatenate([new for new, *_ in stretches]))
         frames = Chunk(
             stamps,
-            np.concatenate([each for _, each, _ in stretches]),
-            np.concatenate([each for _, _, each in stretches]),
-            np.maximum.accumulate(stamps + seconds_to_nanoseconds(late)),
+            np.concatenate([each for _, each, *_ in stretches]),
+            np.concatenate([each for _, _, each, *_ in stretches]),
+            np.maximum.accumulate(stamps + seconds_to_nanoseconds(np.concatenate(after))),
             1.0,
         )
         if isinstance(self.motion, BagMotion) and self.keeps_records:
@@ -76,21 +81,31 @@ class SmoothedMotion:
             share = min((k + ROWS) / len(stamps), 1.0)
             yield replace(some, share=share, follows=[-1] * len(some.stamps))
 
-    def _find_increasing(self, stamps: Stamps) -> npt.NDArray[np.intp]:
-        """Return the frames whose stamps increase, the last of equal ones; count the others."""
-        forward = stamps == np.maximum.accumulate(stamps)
-        if not forward.all():
-            k = int(np.argmin(forward))
-            where = f'frame {k + 1}, stamp {1e-9 * stamps[k]:.2f} s: earlier than one before it'
-            self.refused.add('earlier', where, int((~forward).sum()))
-        kept = np.flatnonzero(forward)
-        return np.asarray(kept[np.append(np.diff(stamps[kept]) > 0, True)])
+    def _find_usable(self, stamps: Stamps) -> Bools:
+        """Return which frames count: none that is late, the last at a stamp; count the others."""
+        steps = np.diff(stamps)
+        usual = np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
+        timely = choose_timely(stamps, LATE * float(usual))
+        places = np.flatnonzero(timely)
+        repeated = np.zeros(len(stamps), dtype=np.bool_)
+        repeated[places] = np.append(np.diff(stamps[places]) == 0, False)
+        for reason, out, why in (
+            ('earlier', ~timely, 'a little earlier than one before it'),
+            ('same_time', repeated, 'that of a later frame, which counts'),
+        ):
+            if out.any():
+                k = int(np.argmax(out))
+                where = f'frame {k + 1}, stamp {format_seconds(int(stamps[k]))} s: {why}'
+                self.refused.add(reason, where, int(out.sum()))
+        return np.asarray(timely & ~repeated)
 
     def _stretches(self, times: Floats) -> Iterator[slice]:
-        """Yield the parts of increasing times (m,), s, between gaps; count those too short."""
+        """Yield the parts of times (m,), s, between falls and gaps; count those too short."""
         steps = np.diff(times)
-        usual = np.median(steps) if len(steps) else 0.0
-        ends = [0, *(1 + np.flatnonzero(steps > GAP * usual)).tolist(), len(times)]
+        usual = np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
+        gaps = 1 + np.flatnonzero(steps > GAP * usual)
+        falls = [part.start for part in split_stretches(times)]
+        ends = sorted({*falls, *gaps.tolist(), len(times)})
         least = PADDING + 1 if self.cutoff is not None else 2 if self.rate is not None else 1
         for start, stop in pairwise(ends):
             if stop - start >= least:
@@ -99,8 +114,8 @@ class SmoothedMotion:
             where = f'{times[start]:.2f} s: a stretch without gaps of {stop - start} frames'
             self.refused.add('too_short', f'{where}; at least {least} expected', stop - start)
 
-    def _smooth(self, times: Floats, angles: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return times (k,), s, angles (k, 3), rad, and velocities, of a motion without gaps."""
+    def _smooth(self, times: Floats, angles: Floats, frames: int) -> tuple[Floats, Floats, Floats]:
+        """Return times (k,), s, angles (k, 3), rad, and velocities, of a stretch of all frames."""
         try:
             angles = unwrap_angles(times, angles)
             if self.cutoff is not None:
@@ -116,6 +131,8 @@ class SmoothedMotion:
                 times, angles = resample(times, angles, self.rate)
         except RecordingError as error:
             raise RecordingError(f'{self.path}: {error}') from None
+        if len(times) == 1 < frames:  # between two ends: its velocity is not known
+            return times, angles, np.full(angles.shape, np.nan)
         return times, angles, differentiate(times, angles)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..joints.joint_state import FULL_CIRCLE, JointMap
-from ..types import Bools, Floats
-from .filters import differentiate
+from ..types import Bools, Floats, Stamps
 from .motion import ROWS, Chunk, Refusals, seconds_to_nanoseconds
+from .stretches import TimeWatch, differentiate_stretches
 from .tables.columns import find_joint_columns
 from .tables.table import Table
 from .units import AngleRange, decide_unit, head_words, name_words
@@ -47,6 +47,7 @@ class TableMotion:
         self.joints = joints
         self.table = Table.from_file(path, time)
         self.keeps_records = False
+        self.wants_speeds = True
         try:
             self.columns = find_joint_columns(self.table.columns, joints.names)
         except RecordingError as error:
@@ -65,8 +66,10 @@ class TableMotion:
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the rows that can be used."""
-        times, angles = np.empty(0), np.empty((0, 3))
+        times, angles, rows = np.empty(0), np.empty((0, 3)), np.empty(0, dtype=np.int64)
         share = 0.0
+        self._watch, self._fallen = TimeWatch(self.refused, 'row'), 0
+        self._last: Stamps | None = None
         first = row = 0  # the first of the held rows that has not been yielded
         for new_times, values, share in self.table.chunks(self.columns, ROWS):
             if not self.unit.said:
@@ -75,6 +78,7 @@ class TableMotion:
                     continue  # to refuse it with its whole range
             values = values * self.unit.radians
             good = self._find_usable(new_times, values, row)
+            rows = np.concatenate((rows, row + 1 + np.flatnonzero(good)))
             row += len(new_times)
             times = np.concatenate((times, new_times[good]))
             angles = np.concatenate(
@@ -82,22 +86,47 @@ class TableMotion:
             )
             # a difference needs both neighbours: the last row waits for the next chunk
             if len(times) > 1 + first:
-                yield self._chunk(times, angles, slice(first, -1), share)
-                times, angles, first = times[-2:], angles[-2:], 1
+                yield self._chunk(times, angles, rows, slice(first, -1), share)
+                times, angles, rows, first = times[-2:], angles[-2:], rows[-2:], 1
         self.met.check_circle(self.path)
         if len(times) > first:
-            yield self._chunk(times, angles, slice(first, None), share)
+            yield self._chunk(times, angles, rows, slice(first, None), share)
 
-    def _chunk(self, times: Floats, angles: Floats, part: slice, share: float) -> Chunk:
-        with np.errstate(divide='ignore', invalid='ignore'):  # times that stand still
-            speeds = differentiate(times, np.unwrap(angles, axis=0))
-        speeds[~np.isfinite(speeds).all(axis=1)] = np.nan
+    def _chunk(
+        self, times: Floats, angles: Floats, rows: Stamps, part: slice, share: float
+    ) -> Chunk:
+        speeds = np.full(angles.shape, np.nan)
+        if self.wants_speeds:
+            speeds = differentiate_stretches(times, angles)
+            self._note_repeated(times[: part.stop], rows, part.start)
         try:
             stamps = seconds_to_nanoseconds(times[part])
         except RecordingError as error:
             raise RecordingError(f'{self.path}: {error}') from None
+        self._watch.check(stamps, rows[part].tolist())
         before = [-1] * len(stamps)
-        return Chunk(stamps, angles[part], speeds[part], stamps, share, (), before)
+        recorded = self._continue_times(stamps)
+        return Chunk(stamps, angles[part], speeds[part], recorded, share, (), before)
+
+    def _note_repeated(self, times: Floats, rows: Stamps, first: int) -> None:
+        """Note the rows, from the first one on, that repeat the time of the row before."""
+        same = np.flatnonzero(np.diff(times[max(first - 1, 0) :]) == 0) + max(first, 1)
+        if len(same):
+            k = int(same[0])
+            line = f'time stands still at {times[k]:.10g} s in row {rows[k]}: no velocity there'
+            self.refused.note('still', line, len(same))
+
+    def _continue_times(self, stamps: Stamps) -> Stamps:
+        """Return when rows would have been recorded: as their stamps, but without a fall.
+
+        Whoever plays a bag goes by these times; those of two stretches must not mix.
+        """
+        before = stamps[:1] if self._last is None else self._last
+        falls = np.minimum(np.diff(np.concatenate((before, stamps))), 0)
+        recorded = stamps + (self._fallen - np.cumsum(falls))
+        self._fallen = int(recorded[-1] - stamps[-1])
+        self._last = stamps[-1:]
+        return np.asarray(recorded, dtype=np.int64)
 
     def _find_usable(self, times: Floats, angles: Floats, row: int) -> Bools:
         """Return which rows are angles; the others are refused, as the node does."""

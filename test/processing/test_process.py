@@ -71,7 +71,7 @@ def test_a_processed_bag_holds_what_the_node_says_message_by_message(
             without_numbers(a)
             without_numbers(b)
             assert a == b
-    assert dict(report.refused) == {'not_finite': 1, 'degrees': 1, 'no_joint': 1, 'sizes': 1}
+    assert dict(report.refused) == {'not_finite': 1, 'degrees': 1, 'sizes': 1}
 
 
 def test_a_bag_may_end_with_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

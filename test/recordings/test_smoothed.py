@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bags import STORE, T0, Sent, joint_state, odd_motion, read_csv, read_messages, write_bag
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
 from linkedplane_ros.processing.options import Options
@@ -67,7 +67,7 @@ def test_a_jump_of_the_angles_is_not_filtered_away(tmp_path: Path) -> None:
     assert 'in.csv: an angle jumps by 1.57 rad at 0.19 s, as at a singularity' in fault
 
 
-def test_stamps_that_go_back_are_counted_and_of_equal_ones_the_last_counts(tmp_path: Path) -> None:
+def test_stamps_that_fall_back_begin_anew_and_of_equal_ones_the_last_counts(tmp_path: Path) -> None:
     sent: list[Sent] = []
     for k in range(50):
         sent += [joint_state(k, ('flexion', 'abduction'), position=[0.3 + 0.01 * k, 0.2]),
@@ -75,9 +75,29 @@ def test_stamps_that_go_back_are_counted_and_of_equal_ones_the_last_counts(tmp_p
     again = [(topic, kind, time + 10**9, data) for topic, kind, time, data in sent[20:24]]
     source = write_bag(tmp_path / 'in', sent + again)
     report = run_task(Task(source, tmp_path / 'out.csv', Options(rate=100.0)))
-    assert (report.frames, dict(report.refused)) == (50, {'incomplete': 1, 'earlier': 4})
+    assert (report.frames, dict(report.refused)) == (52, {'incomplete': 1, 'same_time': 51})
+    assert report.first['same_time'].startswith('frame 2, stamp 1700000000.01 s: that of a later')
+    [line] = report.notes
+    assert 'time falls back from 1700000000.49 s to 1700000000.1 s at message 101' in line
     flexion = read_csv(tmp_path / 'out.csv')[2][:, 1]
-    np.testing.assert_allclose(flexion, 0.3 + 0.01 * np.arange(50), rtol=0, atol=1e-9)
+    wanted = 0.3 + 0.01 * np.array([*range(50), 10, 11])
+    np.testing.assert_allclose(flexion, wanted, rtol=0, atol=1e-9)
+
+
+def test_a_little_lateness_is_no_fall(tmp_path: Path) -> None:
+    """Two publishers of different joints: the second stamps 1 us early, and comes later."""
+    sent: list[Sent] = []
+    for k in range(50):
+        topic, kind, time, data = joint_state(k, ('rotation',), position=[0.1])
+        message = deserialize_message(data, JointState)
+        nanoseconds = T0 + k * 10**7 - 1000
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(nanoseconds, 10**9)
+        early = topic, kind, time + 1, bytes(serialize_message(message))
+        sent += [joint_state(k, ('flexion', 'abduction'), position=[0.3 + 0.01 * k, 0.2]), early]
+    source = write_bag(tmp_path / 'in', sent)
+    report = run_task(Task(source, tmp_path / 'out.csv', Options(lowpass=6.0)))
+    # the frame that the first message would be is incomplete; the second is then the first
+    assert (report.frames, dict(report.refused)) == (50, {'incomplete': 1, 'earlier': 49})
 
 
 def test_velocities_may_be_differences_in_a_bag_too(tmp_path: Path) -> None:
