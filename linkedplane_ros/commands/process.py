@@ -136,7 +136,7 @@ def run(args: argparse.Namespace) -> None:
         except OSError as error:
             raise LinkedPlaneError(f'{out}: no folder to write into: {error.strerror}') from None
     name_abandoned(tasks)
-    failed = 0
+    failed = doubtful = 0
     with sigterm_as_exit(), ProgressBar() as bar:
 
         def show_progress(frames: int, share: float) -> None:
@@ -144,11 +144,12 @@ def run(args: argparse.Namespace) -> None:
 
         for report in run_tasks(tasks, args.jobs, args.dask, show_progress):
             failed += bool(report.fault)
+            doubtful += report.mostly_refused
             with bar.paused():
                 print_report(report)
     if len(tasks) > 1:
         print(f'{len(tasks) - failed} of {len(tasks)} recordings processed into {out}')
-    if failed or faults:
+    if failed or doubtful or faults:
         raise SystemExit(1)
 
 
@@ -179,6 +180,11 @@ def print_report(report: Report) -> None:
         print(f'  {count:,} refused as {reason}, first at {report.first[reason]}')
     for note in report.notes:
         print(f'  {note}')
+    if report.mostly_refused:
+        print(f'linkedplane: warning: {task.source}: most frames were refused; {task.target} has '
+              'only the others', file=sys.stderr)  # fmt: skip
+    if report.warning:
+        print(f'linkedplane: warning: {task.source}: {report.warning}', file=sys.stderr)
 
 
 @contextmanager

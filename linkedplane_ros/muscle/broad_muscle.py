@@ -311,7 +311,7 @@ class BroadMuscle:
         with replace_when_complete(path, ModelError) as part:
             part.write_text(text, encoding='utf-8')
 
-    def count_outside_range(self, rotations: Floats) -> int:
+    def count_outside_range(self, rotations: Floats, margin: float = 0.0) -> int:
         """Return how many rotations lie outside the range of motion.
 
         A rotation is outside if every triple of flexion, abduction and rotation that gives it is.
@@ -320,6 +320,8 @@ class BroadMuscle:
         ----------
         rotations
             (m, 3, 3) humerus -> scapula, right-shoulder form.
+        margin
+            rad, by which the range is widened at each end.
 
         Returns
         -------
@@ -329,7 +331,8 @@ class BroadMuscle:
         """
         if self.range_of_motion is None:
             return 0
-        return int((~find_in_range(rotations, self.range_of_motion)).sum())
+        wider = [(low - margin, high + margin) for low, high in self.range_of_motion]
+        return int((~find_in_range(rotations, wider)).sum())
 
     @property
     def sphere_frames(self) -> tuple[str, ...]:

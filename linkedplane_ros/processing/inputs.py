@@ -11,7 +11,7 @@ from pathlib import Path
 from ..errors import RecordingError
 from ..recordings.formats import ENDINGS_READ, METADATA
 from .options import Options
-from .outputs import ENDINGS, TABLE_ENDINGS
+from .outputs import ENDINGS, TABLE_ENDINGS, choose_format
 from .task import Task
 
 
@@ -114,6 +114,7 @@ def build_tasks(
         return keep_sources([Task(source, target, options) for source in sources], sources)
     if target.suffix.lower() in TABLE_ENDINGS:
         raise RecordingError(f'{target}: a folder expected for several recordings; --format csv?')
+    choose_format(target, options.kind)  # the name of a file is none for the folder
     kind = options.kind or 'bag'
     made: dict[Path, Task] = {}
     faults = []

@@ -235,9 +235,17 @@ class ParquetOutput:
 
 
 def choose_format(path: Path, chosen: str | None) -> str:
-    """Return the format of an output, bag, csv or parquet: the one chosen, else by its ending."""
+    """Return the format of an output, bag, csv or parquet: the one chosen, else by its ending.
+
+    RecordingError for an ending of another format; a bag's name may have dots, as in `run.01`.
+    """
     ending = path.suffix.lower()
     kind = chosen or TABLE_ENDINGS.get(ending, 'bag')
     if kind == 'bag' and ending in ('.mcap', '.db3'):
         raise RecordingError(f'{path}: a bag is a folder; name it without {path.suffix}')
+    if kind == 'bag' and not chosen and ending[1:2].isalpha() and not path.is_dir():
+        raise RecordingError(
+            f'{path}: no {path.suffix} is written; {", ".join(TABLE_ENDINGS)} or a bag, whose name '
+            'has no ending (--format bag: it is the name of a bag)'
+        )
     return kind

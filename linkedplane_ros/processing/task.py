@@ -39,6 +39,7 @@ from .outputs import (
     is_facts_file,
     replace_output,
 )
+from .plausibility import Plausibility
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,10 @@ class Report:
     """What else is worth knowing, a line each."""
     outside: int = 0
     """Frames outside the range of motion of the model."""
+    warning: str = ''
+    """What is to be doubted of the output, in one line; empty: nothing."""
+    mostly_refused: bool = False
+    """Whether more of the frames were refused than could be used."""
     fault: str = ''
     """Why there is no output, in one line; empty: there is one."""
 
@@ -217,7 +222,7 @@ def _run(task: Task, progress: Progress) -> Report:
         targets.append(facts)
     motion = open_motion(task)
     motion.keeps_records = motion.keeps_records and kind == 'bag'
-    frames = outside = 0
+    plausibility = Plausibility(muscle, options, motion)
     with ExitStack() as stack:
         replaced = (replace_output(each, options.force, kind == 'bag') for each in targets)
         beside = [stack.enter_context(each) for each in replaced]
@@ -226,23 +231,25 @@ def _run(task: Task, progress: Progress) -> Report:
             for chunk in motion.chunks():
                 each = solve_chunk(chunk, solver, convention, motion.refused)
                 out.write(each)
-                frames += len(each.chunk.stamps)
-                outside += muscle.count_outside_range(each.states.rotation)
-                progress(frames, chunk.share)
-        if not frames:
+                plausibility.extend(each)
+                progress(plausibility.frames, chunk.share)
+        if not plausibility.frames:
             first = next(iter(motion.refused.first.values()), 'no frames in it')
             raise RecordingError(f'{task.source}: nothing was usable: {first}')
+        plausibility.check_unit()
     if kind == 'csv' and options.force and not options.plain and is_facts_file(facts):
         facts.unlink()  # of a plain CSV that was there before
     refused = motion.refused
     return Report(
         task,
-        frames,
+        plausibility.frames,
         perf_counter() - begin,
         dict(refused.counts),
         dict(refused.first),
         (*refused.notes, *refused.warn()),
-        outside,
+        plausibility.outside,
+        plausibility.warning,
+        refused.lost > (plausibility.frames if options.rate is None else refused.used),
     )
 
 

@@ -267,6 +267,7 @@ class BagMotion:
                     rest = self._keep_usable(self.frame_reader.last_frames())
                     frames += rest
                     follows += [len(batch.records) - 1] * len(rest)
+                self.refused.used += len(frames)
                 if self.met.largest <= FULL_CIRCLE:  # else it is refused, with its whole range
                     chunk = self._chunk(frames, follows, batch)
                     watch.check(chunk.stamps, [each.place.number for each in frames])

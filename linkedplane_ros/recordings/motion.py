@@ -33,6 +33,13 @@ class Refusals:
     """How often something of which the first place is enough was met, by what it is."""
     first_noted: dict[str, str] = field(default_factory=dict)
     """The line on its first place."""
+    used: int = 0
+    """How many frames could be used, before any resampling."""
+
+    @property
+    def lost(self) -> int:
+        """How many frames could not be used; messages of other joints have none to lose."""
+        return self.counts.total() - self.counts['no_joint']
 
     def add(self, reason: str, where: str, count: int = 1) -> None:
         """Count something that cannot be used, and where it stands."""

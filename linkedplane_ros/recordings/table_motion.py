@@ -80,6 +80,7 @@ class TableMotion:
             good = self._find_usable(new_times, values, row)
             rows = np.concatenate((rows, row + 1 + np.flatnonzero(good)))
             row += len(new_times)
+            self.refused.used += int(good.sum())
             times = np.concatenate((times, new_times[good]))
             angles = np.concatenate(
                 (angles, (values * self.joints.signs + self.joints.offsets)[good])

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a shoulder could have moved so: a recording's postures beside the model's range."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+
+from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..muscle.broad_muscle import BroadMuscle
+from ..recordings.motion import Motion
+from ..recordings.units import AngleRange, doubt_radians
+from ..types import Floats
+from .options import Options
+from .outputs import SolvedChunk
+
+# Real recordings in radians, of the shoulder blade or the thorax, have at most 0.2 % of their
+# frames so far outside; angles of some degrees, taken for radians, nearly always more than a tenth.
+FAR = math.radians(45.0)
+FAR_SHARE = 0.1
+# Real glenohumeral motion lies up to 28 % outside.
+OUTSIDE_SHARE = 0.5
+SAMPLES = 100  # frames of a chunk that are kept, to look for the cause
+
+
+class Plausibility:
+    """The postures of a recording, beside the model's range of motion.
+
+    Parameters
+    ----------
+    muscle
+        The model.
+    options
+        How the angles are read.
+    motion
+        The recording.
+    """
+
+    def __init__(self, muscle: BroadMuscle, options: Options, motion: Motion) -> None:
+        """Begin with no frame."""
+        self.muscle, self.options, self.motion = muscle, options, motion
+        self.frames = self.outside = self.far = 0
+        self.met = AngleRange(options.joint_convention.coordinates)
+        self._samples: list[Floats] = []
+
+    def extend(self, solved: SolvedChunk) -> None:
+        """Take the frames of a chunk in."""
+        angles, rotations = solved.chunk.angles, solved.states.rotation
+        self.frames += len(angles)
+        self.outside += self.muscle.count_outside_range(rotations)
+        if not self.motion.unit.said:
+            self.far += self.muscle.count_outside_range(rotations, FAR)
+        self.met.extend(np.degrees(angles))
+        self._samples.append(angles[:: max(1, len(angles) // SAMPLES)])
+
+    def check_unit(self) -> None:
+        """Raise a RecordingError if the postures speak against radians that nobody stated.
+
+        Only an angle that goes on beyond pi passes pi in radians. It stands for a posture
+        that a shoulder takes, as one below pi does; angles of up to six degrees do not.
+        """
+        met = self.motion.met
+        if met.largest > math.pi and self.far > FAR_SHARE * self.frames:
+            raise doubt_radians(
+                self.motion.path,
+                met,
+                f'in radians {self.far:,} of {self.frames:,} frames would lie more than '
+                f'{math.degrees(FAR):.0f} deg outside the range of motion of {self.muscle.name}',
+            )
+
+    @property
+    def warning(self) -> str:
+        """What to say where most frames lie outside the model's range; empty: nothing."""
+        if self.outside <= OUTSIDE_SHARE * self.frames:
+            return ''
+        causes = [] if self.motion.unit.said else ['degrees (--degrees)?']
+        causes += self._better_readings() or ['another --convention?', 'other --signs?']
+        if self.options.thorax is None:
+            causes.append('angles against the thorax instead of the scapula?')
+        return (
+            f"{self.outside:,} of {self.frames:,} frames lie outside the model's range of motion; "
+            f'met, in deg: {self.met.describe()}; {" ".join(causes)}'
+        )
+
+    def _better_readings(self) -> list[str]:
+        """Return the options that would bring most frames into the range, the best one first."""
+        if self.options.bones is not None:
+            return []
+        angles = np.concatenate(self._samples)
+        found = []
+        for text, convention, reading in self._other_readings(angles):
+            rotations, _ = convention.rotations_and_axes(reading, self.options.side)
+            outside = self.muscle.count_outside_range(rotations)
+            if outside < (1.0 - OUTSIDE_SHARE) * len(angles):
+                found.append((outside, f'{text}?'))
+        return [text for _, text in sorted(found)[:2]]
+
+    def _other_readings(self, angles: Floats) -> Iterator[tuple[str, JointConvention, Floats]]:
+        """Yield options, and how the sampled angles (k, 3) would be read with them."""
+        chosen, joints = self.options.joint_convention, self.options.joint_map
+        for convention in JOINT_CONVENTIONS.values():
+            if convention is not chosen:
+                yield f'--convention {convention.name}', convention, angles
+        recorded = (angles - joints.offsets) * joints.signs
+        for signs in product((1.0, -1.0), repeat=3):
+            if signs != tuple(joints.signs):
+                text = ' '.join(f'{sign:g}' for sign in signs)
+                yield f'--signs {text}', chosen, recorded * signs + joints.offsets
