@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import product
+from operator import itemgetter
 
 import numpy as np
 
@@ -96,7 +97,8 @@ class Plausibility:
             outside = self.muscle.count_outside_range(rotations)
             if outside < (1.0 - OUTSIDE_SHARE) * len(angles):
                 found.append((outside, f'{text}?'))
-        return [text for _, text in sorted(found)[:2]]
+        found.sort(key=itemgetter(0))  # of equal ones those with the fewest changes stay first
+        return [text for _, text in found[:2]]
 
     def _other_readings(self, angles: Floats) -> Iterator[tuple[str, JointConvention, Floats]]:
         """Yield options, and how the sampled angles (k, 3) would be read with them."""
@@ -105,7 +107,8 @@ class Plausibility:
             if convention is not chosen:
                 yield f'--convention {convention.name}', convention, angles
         recorded = (angles - joints.offsets) * joints.signs
-        for signs in product((1.0, -1.0), repeat=3):
-            if signs != tuple(joints.signs):
-                text = ' '.join(f'{sign:g}' for sign in signs)
-                yield f'--signs {text}', chosen, recorded * signs + joints.offsets
+        turns = sorted(product((1.0, -1.0), repeat=3), key=lambda each: each.count(-1.0))[1:]
+        for turn in turns:
+            signs = np.array(turn) * joints.signs
+            text = ' '.join(f'{sign:g}' for sign in signs)
+            yield f'--signs {text}', chosen, recorded * signs + joints.offsets

@@ -184,7 +184,7 @@ def test_progress_goes_from_nothing_to_the_whole(tmp_path: Path, jobs: int) -> N
     table, short = long_recordings(tmp_path, 2, 12_000)
     short.write_text('\n'.join(short.read_text().split('\n')[:2000]) + '\n')
     bag = write_bag(tmp_path / 'bag', odd_motion())
-    made = [Task(each, tmp_path / f'{k}.out') for k, each in enumerate((table, short, bag))]
+    made = [Task(each, tmp_path / f'out_{k}') for k, each in enumerate((table, short, bag))]
     seen: list[tuple[int, float]] = []
     reports = list(run_tasks(made, jobs, None, lambda frames, share: seen.append((frames, share))))
     assert [report.fault for report in reports] == ['', '', '']

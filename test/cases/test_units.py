@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The unit of a recording's angles: one for all of it, as its own reader has it, or refused.
+
+What OpenSim reads stands here as OpenSim 4.6 gave it, by `Storage(path).isInDegrees()`.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bags import NAMES, exit_status, joint_state, read_csv, read_messages, refusal_line, write_bag
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+
+from linkedplane_ros.processing.reading import read_processed
+
+FIRST = np.radians([1.0, 2.0, -3.0])  # of the cases in degrees, as their READMEs have it
+CLOSE = 1e-15  # rad: a rounding of angles below 0.1
+ROWS = '0.0 1.0 2.0 -3.0\n0.01 1.5 2.5 -3.0\n0.02 2.0 3.0 -3.0\n'
+TABLE = f'time {" ".join(NAMES)}\n{ROWS}'
+SIZE = 'nRows=3\nnColumns=4\n'
+
+
+def first_angles(output: Path) -> np.ndarray:
+    """Return the first frame's angles in a CSV output, rad."""
+    _, names, values = read_csv(output)
+    return values[0, [k for k, name in enumerate(names) if name.startswith('angles/')]]
+
+
+def read_in(output: Path) -> str:
+    """Return what a CSV output says of the unit that it was read in."""
+    return read_csv(output)[0]['read_in']
+
+
+def write_csv(path: Path, names: tuple[str, ...], rows: str = ROWS) -> Path:
+    """Write a CSV with these names of columns behind the time."""
+    lines = [','.join(f'"{name}"' for name in ('time', *names)), *rows.replace(' ', ',').split()]
+    path.write_text('\n'.join(lines) + '\n', encoding='utf-8')
+    return path
+
+
+@pytest.mark.parametrize(
+    ('case', 'options', 'who'),
+    [
+        ('units_explicit_names/a.csv', ('--joints', *(f'{n}_deg' for n in NAMES)), 'the names'),
+        ('units_in_brackets/a.csv', ('--joints', *(f'{n} (deg)' for n in NAMES)), 'the names'),
+        ('units_in_brackets/a.csv', (), 'the names of the columns'),
+        ('units_simm_mot/swing.mot', (), 'its head without version='),
+    ],
+)
+def test_a_table_says_its_unit(
+    cases: Path, tmp_path: Path, case: str, options: tuple[str, ...], who: str
+) -> None:
+    out = tmp_path / 'o.csv'
+    assert exit_status([str(cases / case), str(out), *options]) == 0
+    np.testing.assert_allclose(first_angles(out), FIRST, rtol=0.0, atol=CLOSE)
+    assert read_in(out).startswith(f'deg: {who}')
+
+
+def test_a_raise_in_degrees_is_not_taken_for_radians_row_by_row(
+    cases: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, out = cases / 'units_row_by_row' / 'raise.csv', tmp_path / 'o.csv'
+    line = refusal_line(capsys, str(source), str(out))
+    assert 'flexion 0 to 20, abduction 2 to 2, rotation -3 to -3' in line
+    assert '--degrees or --radians' in line
+    assert list(tmp_path.iterdir()) == []
+    assert exit_status([str(source), str(out), '--degrees']) == 0
+    assert read_csv(out)[2].shape[0] == 21
+    assert exit_status([str(source), str(out), '--radians', '--force']) == 1  # 14 are refused
+    assert read_csv(out)[2].shape[0] == 7
+    assert read_in(out) == 'rad: --radians'
+
+
+def test_a_bag_in_degrees_is_refused_or_read_as_degrees(
+    cases: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, out = cases / 'units_bag_degrees_flag' / 'bag', tmp_path / 'o.csv'
+    assert '--degrees or --radians' in refusal_line(capsys, str(source), str(out))
+    assert list(tmp_path.iterdir()) == []
+    assert exit_status([str(source), str(out), '--degrees']) == 0
+    _, _, values = read_csv(out)
+    np.testing.assert_allclose(values[:, 1], np.radians(np.arange(21)), rtol=0.0, atol=CLOSE)
+    assert read_in(out) == 'deg: --degrees'
+
+
+def test_a_bag_in_degrees_has_its_angles_in_radians_beside_them(tmp_path: Path) -> None:
+    sent = [
+        joint_state(k, position=[30.0 + k, 20.0, 10.0], velocity=[100.0, 0.0, 0.0])
+        for k in range(9)
+    ]
+    out = tmp_path / 'out'
+    assert exit_status([str(write_bag(tmp_path / 'in', sent)), str(out), '--degrees']) == 0
+    found = read_messages(out)
+    assert [each for each in found if each[0] == '/joint_states'] == sent
+    own = [data for topic, _, _, data in found if topic == '/deltoid/joint_states']
+    first = deserialize_message(own[0], JointState)
+    np.testing.assert_allclose(first.position, np.radians([30.0, 20.0, 10.0]), atol=CLOSE)
+    np.testing.assert_allclose(first.velocity, np.radians([100.0, 0.0, 0.0]), atol=CLOSE)
+    np.testing.assert_allclose(
+        read_processed(out).angles[:, 0], np.radians(30.0 + np.arange(9)), rtol=0.0, atol=CLOSE
+    )
+
+
+@pytest.mark.parametrize(
+    'spelling',
+    [
+        '{}_deg', '{}_DEG', '{} deg', '{} [deg]', '{}[Deg]', '{} (°)', '{}[°]', '{}°', '{} [º]',
+        '{}/deg', '{}_degrees', '{} (degrees)', '{} in degrees', '{}.deg', '{}..deg.', '{}_deg_',
+        '{}Deg', '{}-deg', '{}, deg', '{} [Â°]', 'arm/{}_deg',
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize('named', [False, True])
+def test_a_name_in_degrees_however_it_is_spelt(tmp_path: Path, spelling: str, named: bool) -> None:
+    columns = tuple(map(spelling.format, NAMES))
+    source, out = write_csv(tmp_path / 'in.csv', columns), tmp_path / 'o.csv'
+    assert exit_status([str(source), str(out), *(('--joints', *columns) if named else ())]) == 0
+    np.testing.assert_allclose(first_angles(out), FIRST, rtol=0.0, atol=CLOSE)
+    refuse(source, tmp_path, '--radians')
+
+
+def refuse(source: Path, folder: Path, *options: str) -> None:
+    """Run a command that must end with 1 and leave no output."""
+    assert exit_status([str(source), str(folder / 'refused.csv'), *options]) == 1
+    assert not (folder / 'refused.csv').exists()
+
+
+@pytest.mark.parametrize('spelling', ['{}_rad', '{} (rad)', '{}[radians]', '{} / rad', '{}Rad'])
+def test_a_name_in_radians_however_it_is_spelt(tmp_path: Path, spelling: str) -> None:
+    rows = '0 0.1 0.2 0.3\n0.01 0.11 0.2 0.3\n'
+    source = write_csv(tmp_path / 'in.csv', tuple(map(spelling.format, NAMES)), rows)
+    out = tmp_path / 'o.csv'
+    assert exit_status([str(source), str(out)]) == 0
+    assert first_angles(out).tolist() == [0.1, 0.2, 0.3]
+    assert read_in(out) == 'rad: the names of the columns'
+    refuse(source, tmp_path, '--degrees')
+
+
+@pytest.mark.parametrize(
+    ('names', 'reason'),
+    [
+        (('flexion_deg', 'abduction_rad', 'rotation_deg'), 'one unit for all three expected'),
+        (('flexion_deg', 'abduction', 'rotation'), "'abduction' is without a unit"),
+        (('flexion_mrad', 'abduction_mrad', 'rotation_mrad'), 'not in mrad'),
+        (('flexion (deg/s)', 'abduction (deg/s)', 'rotation (deg/s)'), 'not in deg/s'),
+        (('flexion [grad]', 'abduction [grad]', 'rotation [grad]'), 'not in grad'),
+    ],
+)
+def test_names_in_several_units_or_another_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], names: tuple[str, ...], reason: str
+) -> None:
+    source = write_csv(tmp_path / 'in.csv', names)
+    line = refusal_line(capsys, str(source), str(tmp_path / 'o.csv'), '--joints', *names)
+    assert reason in line
+
+
+DEG, RAD, REFUSED = 'deg', 'rad', 'refused'
+V1 = f'swing\nversion=1\n{SIZE}'
+V0 = f'swing\n{SIZE}'
+HEADS = {  # head: as OpenSim reads a .mot and a .sto, where it is not refused
+    V0: (DEG, RAD),
+    V1: (RAD, RAD),
+    V1 + 'inDegrees=yes\n': (DEG, DEG),
+    V1 + 'inDegrees=no\n': (RAD, RAD),
+    V1 + 'inDegrees=n\n': (RAD, RAD),
+    V1 + 'inDegrees=y\n': (DEG, DEG),
+    V1 + 'inDegrees=YES\n': (DEG, DEG),
+    V1 + 'inDegrees = yes\n': (DEG, DEG),
+    V1 + 'inDegrees yes\n': (DEG, DEG),
+    V1 + 'inDegrees==yes\n': (DEG, DEG),
+    V1 + 'inDegrees=yes\t\t\t\n': (DEG, DEG),
+    'inDegrees=yes\nversion=1\n' + SIZE: (DEG, DEG),
+    V0 + 'inDegrees=yes\n': (DEG, DEG),
+    V0.replace('nRows', 'version=0\nnRows'): (DEG, RAD),
+    V0.replace('nRows', 'version=one\nnRows'): (DEG, RAD),
+    V0.replace('nRows', 'Version=1\nnRows'): (DEG, RAD),
+    V0.replace('nRows', 'version = 1\nnRows'): (RAD, RAD),
+    V0.replace('nRows', 'version=1.0\nnRows'): (RAD, RAD),
+    V0.replace('nRows', 'version=2\nnRows') + 'inDegrees=yes\n': (DEG, DEG),
+    'swing\nDataType=double\nversion=3\nOpenSimVersion=4.1\ninDegrees=yes\n': (DEG, DEG),
+    'swing\nDataType=double\nversion=3\n': (RAD, RAD),
+    V0 + 'Angles are in degrees.\n': (DEG, DEG),
+    V0 + 'Angles are in degrees.\nversion=1\n': (DEG, DEG),
+    # files in OpenSim's own repository have both: version and inDegrees count
+    V1 + 'inDegrees=no\nAngles are in degrees.\n': (RAD, RAD),
+    # a spreadsheet's leftovers, which OpenSim takes for no: the file says yes
+    V1 + 'inDegrees=yes,,,,\n': (DEG, DEG),
+    V1 + '"inDegrees=yes"\n': (DEG, DEG),
+    V1 + 'inDegrees=yes;;\n': (DEG, DEG),
+    V1 + 'inDegrees=no,,,\n': (RAD, RAD),
+    # OpenSim's two readers differ, or a reader and the words: refused
+    V0 + 'inDegrees=no\n': (REFUSED, RAD),
+    V0 + 'Angles are in radians.\n': (REFUSED, RAD),
+    V1 + 'inDegrees=true\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=1\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=yes\ninDegrees=no\n': (REFUSED, REFUSED),
+    V0 + 'inDegrees=no\nAngles are in degrees.\n': (REFUSED, REFUSED),
+}
+
+
+@pytest.mark.parametrize('ending', [0, 1], ids=['mot', 'sto'])
+@pytest.mark.parametrize('head', HEADS)
+def test_a_head_is_read_as_opensim_reads_it(tmp_path: Path, head: str, ending: int) -> None:
+    source, out = tmp_path / f'in.{("mot", "sto")[ending]}', tmp_path / 'o.csv'
+    source.write_text(f'{head}endheader\n{TABLE.replace(" ", chr(9))}')
+    want = HEADS[head][ending]
+    status = exit_status([str(source), str(out)])
+    if want is REFUSED:
+        assert status == 1
+        assert not out.exists()
+        return
+    assert status == 0
+    assert read_in(out)[:3] == want
+    angles = FIRST if want is DEG else [1.0, 2.0, -3.0]
+    np.testing.assert_allclose(first_angles(out), angles, rtol=0.0, atol=CLOSE)
+
+
+@pytest.mark.parametrize(
+    ('head', 'flag', 'unit'),
+    [
+        (V1 + 'inDegrees=yes\n', '--radians', ''),
+        (V1 + 'inDegrees=no\n', '--degrees', ''),
+        (V0, '--radians', ''),
+        (V1, '--degrees', 'deg: --degrees'),
+        (V0 + 'inDegrees=no\n', '--radians', 'rad: --radians'),
+        (V0 + 'inDegrees=no\n', '--degrees', 'deg: --degrees'),
+    ],
+)
+def test_a_flag_settles_what_the_file_does_not_and_contradicts_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], head: str, flag: str, unit: str
+) -> None:
+    source, out = tmp_path / 'in.mot', tmp_path / 'o.csv'
+    source.write_text(f'{head}endheader\n{TABLE}')
+    if not unit:
+        line = refusal_line(capsys, str(source), str(out), flag)
+        assert flag in line
+        assert 'inDegrees' in line or 'version=' in line
+        return
+    assert exit_status([str(source), str(out), flag]) == 0
+    assert read_in(out) == unit
+
+
+def test_names_against_the_head_are_refused_with_both(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / 'in.mot'
+    source.write_text(f'{V1}inDegrees=no\nendheader\n{TABLE.replace("ion ", "ion_deg ")}')
+    source.write_text(source.read_text().replace('rotation\n', 'rotation_deg\n'))
+    line = refusal_line(capsys, str(source), str(tmp_path / 'o.csv'))
+    assert 'degrees by the names of the columns, but radians by inDegrees in the file' in line
+
+
+def test_both_flags_are_a_wrong_command_line(tmp_path: Path) -> None:
+    assert exit_status(['in.csv', str(tmp_path / 'o.csv'), '--degrees', '--radians']) == 2
+
+
+def turn(tmp_path: Path, flexion: np.ndarray, others: str = '0.3,0.1') -> list[str]:
+    """Write a CSV without a unit at 100 Hz; return the begin of the command."""
+    lines = [f'{0.01 * k:.2f},{angle!r},{others}' for k, angle in enumerate(flexion.tolist())]
+    source = tmp_path / 'in.csv'
+    source.write_text('\n'.join(['time,flexion,abduction,rotation', *lines]) + '\n')
+    return [str(source), str(tmp_path / 'o.csv')]
+
+
+def test_five_degrees_do_not_pass_for_five_radians(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = refusal_line(capsys, *turn(tmp_path, np.linspace(0.0, 5.0, 21), '2.0,-3.0'))
+    assert 'flexion 0 to 5' in line
+    assert '--degrees or --radians' in line
+    assert exit_status([*turn(tmp_path, np.linspace(0.0, 5.0, 21), '2.0,-3.0'), '--radians']) == 0
+
+
+def test_radians_that_go_on_beyond_pi_are_read(tmp_path: Path) -> None:
+    whole = 2.0 * np.pi + np.linspace(-0.6, 0.0, 50)  # as after a turn: a natural posture
+    assert exit_status(turn(tmp_path, whole - 1e-9)) == 0
+
+
+@pytest.mark.parametrize(
+    ('name', 'convention'),
+    [('abduction', 'opensim_tsm'), ('flexion', 'opensim_tsm'), ('daily_motion', 'isb_yxy')],
+)
+@pytest.mark.parametrize('shift', [(0, 0, 0), (1, 0, 0), (0, 0, -1), (-1, 0, 1)])
+def test_no_real_recording_in_radians_is_refused(
+    shared: Path, tmp_path: Path, name: str, convention: str, shift: tuple[int, int, int]
+) -> None:
+    head, *rows = (shared / 'recordings' / f'{name}.csv').read_text().splitlines()
+    names = [each.removesuffix('_rad') for each in head.split(',')]
+    numbers = np.array([row.split(',') for row in rows], dtype=float)[::20]
+    numbers[:, 1:] += 2.0 * np.pi * np.array(shift)  # as if unwrapped
+    numbers = numbers[(np.abs(numbers[:, 1:]) <= 2.0 * np.pi).all(axis=1)]
+    lines = [','.join(names), *(','.join(map(repr, row)) for row in numbers.tolist())]
+    (tmp_path / 'in.csv').write_text('\n'.join(lines) + '\n')
+    command = [str(tmp_path / 'in.csv'), str(tmp_path / 'o.csv'), '--convention', convention]
+    assert exit_status([*command, '--joints', *names[1:]]) == 0
+
+
+def test_a_copy_of_an_output_is_read_in_radians(tmp_path: Path) -> None:
+    once, twice = tmp_path / 'o.csv', tmp_path / 'twice.csv'
+    assert exit_status([*turn(tmp_path, np.linspace(0.2, 1.0, 9)), '--radians']) == 0
+    shutil.copy(once, tmp_path / 'copy.csv')
+    joints = [f'angles/{name}' for name in NAMES]
+    assert exit_status([str(tmp_path / 'copy.csv'), str(twice), '--joints', *joints]) == 0
+    np.testing.assert_array_equal(read_csv(twice)[2][:, :4], read_csv(once)[2][:, :4])
