@@ -43,8 +43,9 @@ bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node 
 	@$(BIN)/python bench/bench.py
 
 SECONDS ?= 300
-soak: .venv/.made  ## feed the node at 1 kHz for five minutes: all answered, memory flat?
+soak: .venv/.made  ## feed the node at 1 kHz for five minutes: all answered, memory flat? Read damaged tables
 	@$(BIN)/python bench/soak.py $(SECONDS)
+	@$(BIN)/python bench/table_fuzz.py
 
 # NumPy for Python 3.10 has other, looser types.
 OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))

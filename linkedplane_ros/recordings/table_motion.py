@@ -90,6 +90,9 @@ class TableMotion:
                 yield self._chunk(times, angles, rows, slice(first, -1), share)
                 times, angles, rows, first = times[-2:], angles[-2:], rows[-2:], 1
         self.met.check_circle(self.path)
+        promised = self.table.promised_rows
+        if promised is not None and promised != row:
+            self.refused.notes.append(f'{row:,} rows are there, but its head says {promised:,}')
         if len(times) > first:
             yield self._chunk(times, angles, rows, slice(first, None), share)
 

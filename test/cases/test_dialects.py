@@ -110,3 +110,14 @@ def test_gaps_are_counted_however_they_are_spelt(
     printed = processed(capsys, table, tmp_path / 'o.csv')
     assert '20 frames' in printed
     assert '7 refused as not_finite, first at row 21, 20.00 s' in printed
+
+
+@pytest.mark.parametrize('key', ['nRows=5', 'nRows = 5,,,', 'datarows 5'])
+def test_rows_that_are_counted_and_not_there_are_said(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, key: str
+) -> None:
+    table = tmp_path / 'cut.mot'
+    table.write_text(MOT.replace('nRows=3', key))
+    printed = processed(capsys, table, tmp_path / 'o.csv')
+    assert '3 frames' in printed
+    assert '3 rows are there, but its head says 5' in printed

@@ -52,13 +52,24 @@ def find_delimiter(line: int, names: str) -> str:
 
 def split_rows(lines: Iterator[str], before: int, delimiter: str) -> Iterator[TableRow]:
     """Yield the rows of a CSV that are not empty; there are some lines before them."""
-    reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
+    quotes = 0
+
+    def count_quotes() -> Iterator[str]:
+        nonlocal quotes
+        for text in lines:
+            quotes += text.count('"')
+            yield text
+
+    reader = csv.reader(count_quotes(), delimiter=delimiter, skipinitialspace=True)
     line = before + 1
     try:
         for cells in reader:
+            next_line = before + reader.line_num + 1
+            if quotes % 2 and (next_line > line + 1 or not any('"' in cell for cell in cells)):
+                raise RecordingError(f'{line}: not CSV: a quote that does not end')
             if any(cells):
                 yield line, cells
-            line = before + reader.line_num + 1
+            line, quotes = next_line, 0
     except csv.Error as error:
         raise RecordingError(f'{line}: not CSV: {error}') from None
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -12,11 +13,12 @@ from ...errors import RecordingError
 from ...types import Floats
 from .cells import parse_rows
 from .columns import find_column
-from .dialect import has_decimal_commas
+from .dialect import PADDING, has_decimal_commas
 from .header import read_header
 from .lines import open_lines
 from .times import TimeColumns, find_time
 
+ROWS_PROMISED = re.compile(r'(?:nRows|datarows)\s*[= \t]\s*([0-9]{1,15})', re.IGNORECASE)
 FIRST_ROWS = 200  # by which the mark of decimals is found
 
 
@@ -54,6 +56,14 @@ class Table:
             found = find_time(header.line, header.names, time)
         columns = tuple(name for name in header.names if name not in found.names)
         return cls(path, columns, found, tuple(header.lines))
+
+    @property
+    def promised_rows(self) -> int | None:
+        """How many rows an OpenSim header says that there are; None where it does not say."""
+        for line in self.head:
+            if match := ROWS_PROMISED.fullmatch(line.strip(PADDING)):
+                return int(match[1])
+        return None
 
     def chunks(
         self, names: Sequence[str], rows: int = 10_000
