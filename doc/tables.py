@@ -21,6 +21,8 @@ from linkedplane_ros.commands.main import build_parser
 from linkedplane_ros.drawing.markdown import markdown_table
 from linkedplane_ros.muscle import keys
 from linkedplane_ros.node import parameters, topics
+from linkedplane_ros.recordings.foreign_formats import FOREIGN
+from linkedplane_ros.recordings.tables.times import PLAIN_TIMES, UNITS
 from linkedplane_ros.types import Floats
 
 TOP = Path(__file__).parents[1]
@@ -146,15 +148,45 @@ def commands() -> str:
     return '\n\n'.join(part for name, each in choices.items() for part in command(name, each))
 
 
+def foreign_formats() -> str:
+    """Return the formats of recordings that are not read."""
+    rows = [
+        (
+            each.name,
+            ', '.join(f'`{ending}`' for ending in each.endings),
+            each.advice.format(file='FILE', ending=f'`{each.unless}`'),
+        )
+        for each in FOREIGN
+    ]
+    return markdown_table(('what a file is called', 'endings', 'what to do'), rows)
+
+
+def plain_times() -> str:
+    """Return the names of a time, the first that is there counting."""
+    return ', '.join(f'`{name}`' for name in PLAIN_TIMES)
+
+
+def time_units() -> str:
+    """Return the names of each unit of a time."""
+    names: dict[float, list[str]] = {}
+    for name, per_second in UNITS.items():
+        names.setdefault(per_second, []).append(f'`{name}`')
+    rows = ((f'{1.0 / each:g} s', ', '.join(names[each])) for each in names)
+    return markdown_table(('unit', 'in the name'), rows)
+
+
 TABLES: dict[str, Callable[[], str]] = {
     'commands': commands,
     'conventions': joint_conventions,
+    'foreign formats': foreign_formats,
     'model keys': model_keys,
     'parameters': node_parameters,
+    'plain times': plain_times,
     'published': published,
     'single angles': single_angles,
     'subscribed': subscribed,
     'three angles': three_angles,
+    'time units': time_units,
     'topics': contents,
 }
 
