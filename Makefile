@@ -43,9 +43,10 @@ bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node 
 	@$(BIN)/python bench/bench.py
 
 SECONDS ?= 300
-soak: .venv/.made  ## feed the node at 1 kHz for five minutes: all answered, memory flat? Read damaged tables
-	@$(BIN)/python bench/soak.py $(SECONDS)
+soak: .venv/.made  ## read damaged bags and tables; feed the node at 1 kHz for five minutes
+	@$(BIN)/python bench/bag_fuzz.py
 	@$(BIN)/python bench/table_fuzz.py
+	@$(BIN)/python bench/soak.py $(SECONDS)
 
 # NumPy for Python 3.10 has other, looser types.
 OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))

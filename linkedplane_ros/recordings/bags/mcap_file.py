@@ -33,6 +33,8 @@ from .mcap_records import (
     records_inside,
 )
 
+NEVER = 2**63  # ns: beyond what ROS counts
+
 
 class McapFile:
     """An open MCAP file.
@@ -228,7 +230,9 @@ class McapFile:
                     continue
                 channel, sequence, time, sent = MESSAGE_HEAD.unpack_from(content, place)
                 connection = wanted.get(channel)
-                if connection is not None:
+                if time >= NEVER:
+                    self._add_fault(f'a message of time {time} ns: left out')
+                elif connection is not None:
                     if time >= begin:
                         data = content[place + MESSAGE_HEAD.size : end]
                         messages.append(RecordedMessage(connection, time, data, sent, sequence))

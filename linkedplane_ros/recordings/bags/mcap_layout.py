@@ -104,6 +104,7 @@ class McapLayout:
         self._walk()
 
     def _walk(self) -> None:
+        last = None
         for record in self._whole_records():
             if record.opcode == FOOTER and record.size == FOOTER_SIZE - RECORD.size:
                 self._read_end(record)
@@ -116,7 +117,27 @@ class McapLayout:
             except McapFault as fault:
                 self.faults.append(f'byte {record.offset - RECORD.size}: {fault}: left out')
             self.whole = record.offset + record.size
+            last = record
         self.cut = self.cut or 'the file ends'
+        if last is not None:
+            self._leave_out_zeros(last)
+
+    def _leave_out_zeros(self, last: Record) -> None:
+        """Leave out a last record without a CRC where zeros begin in it or behind it.
+
+        After a power cut a file has its size and its last blocks are zeros: only a CRC tells
+        whether a record that ends in zeros is whole.
+        """
+        self._file.seek(self.whole - 1)
+        if self._file.read(2) != bytes(2) or last.opcode not in (MESSAGE, CHUNK):
+            return
+        segment = self.segments.pop()
+        if last.opcode == CHUNK and segment.crc:
+            self.segments.append(segment)
+            return
+        self.whole = last.offset - RECORD.size
+        if segment.size is None and segment.offset < self.whole:
+            self.segments.append(segment._replace(length=self.whole - segment.offset))
 
     def _whole_records(self) -> Iterator[Record]:
         """Yield records up to the first that is not whole."""
