@@ -179,7 +179,7 @@ def print_report(report: Report) -> None:
     for reason, count in report.refused.items():
         print(f'  {count:,} refused as {reason}, first at {report.first[reason]}')
     for note in report.notes:
-        print(f'  {note}')
+        print(f'  {note}', file=sys.stderr if note.startswith('warning:') else sys.stdout)
     if report.mostly_refused:
         print(f'linkedplane: warning: {task.source}: most frames were refused; {task.target} has '
               'only the others', file=sys.stderr)  # fmt: skip

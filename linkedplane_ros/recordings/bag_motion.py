@@ -322,7 +322,7 @@ class BagMotion:
         read = {each.topic for each in bag.connections if accepts(each.topic, each.kind)}
         bag.check()
         for fault in bag.faults:
-            self.refused.notes.append(f'warning: {self.path}: {fault}')
+            self.refused.note(fault, f'{self.path}: {fault}')
         for loss in bag.losses():
             if loss.topic in read:
                 self.refused.add(loss.reason, loss.where, loss.number)
