@@ -249,7 +249,7 @@ def _run(task: Task, progress: Progress) -> Report:
         (*refused.notes, *refused.warn()),
         plausibility.outside,
         plausibility.warning,
-        refused.lost > (plausibility.frames if options.rate is None else refused.used),
+        refused.most,
     )
 
 

@@ -37,9 +37,11 @@ class Refusals:
     """How many frames could be used, before any resampling."""
 
     @property
-    def lost(self) -> int:
-        """How many frames could not be used; messages of other joints have none to lose."""
-        return self.counts.total() - self.counts['no_joint']
+    def most(self) -> bool:
+        """Whether more of the frames were refused than were kept."""
+        late = self.counts['no_plane'] + self.counts['too_short']  # these could be used at first
+        lost = self.counts.total() - self.counts['same_time']  # the last of equal ones is kept
+        return lost > self.used - late
 
     def add(self, reason: str, where: str, count: int = 1) -> None:
         """Count something that cannot be used, and where it stands."""

@@ -34,6 +34,9 @@ _UNIT = re.compile(
     rf'(?P<joint>.*?\w)[\W_]+(?:in[\W_]+)?(?:(?P<degrees>{_DEGREES})|{_RADIANS})[\W_]*', re.I
 )
 _CAMEL = re.compile(r'(?P<joint>.*[a-z0-9])(?:(?P<degrees>Deg|Degs|Degrees)|Rad|Rads|Radians)')
+_WITHIN = re.compile(  # deg_flexion, flexion_deg_filtered
+    rf'(?:^|[\W_])(?:(?P<degrees>{_DEGREES})|{_RADIANS})(?:[\W_]|$)', re.I
+)
 _OTHER = re.compile(  # units that are neither, and those of speeds
     r'.*?\w[\W_]+(?P<unit>mrad|millirad\w*|grad|grads|gon|gons|turns?|revs?|arcmin|arcsec'
     rf'|(?:{_DEGREES}|{_RADIANS}|[°º˚])(?:[\W_]*(?:/|per|p)[\W_]*|[\W_]+)s(?:ec|econds?)?[\W_\d]*'
@@ -122,11 +125,16 @@ def decide_unit(
 
 
 def split_unit(name: str) -> tuple[str, bool | None]:
-    """Return a column's name without its unit, and whether that is degrees; None: it has none."""
+    """Return a column's name without its unit, and whether that is degrees; None: it has none.
+
+    A unit that is not the end of the name stays in it.
+    """
     if match := _MARK.fullmatch(name):
         return match['joint'], True
     if match := _UNIT.fullmatch(name) or _CAMEL.fullmatch(name):
         return match['joint'], match['degrees'] is not None
+    if match := _WITHIN.search(name):
+        return name, match['degrees'] is not None
     return name, None
 
 

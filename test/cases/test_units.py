@@ -128,6 +128,14 @@ def refuse(source: Path, folder: Path, *options: str) -> None:
     assert not (folder / 'refused.csv').exists()
 
 
+@pytest.mark.parametrize('spelling', ['deg_{}', '{}_deg_filtered', 'angle_{}_deg'])
+def test_a_unit_anywhere_in_a_name_that_is_given_counts(tmp_path: Path, spelling: str) -> None:
+    columns = tuple(map(spelling.format, NAMES))
+    source, out = write_csv(tmp_path / 'in.csv', columns), tmp_path / 'o.csv'
+    assert exit_status([str(source), str(out), '--joints', *columns]) == 0
+    np.testing.assert_allclose(first_angles(out), FIRST, rtol=0.0, atol=CLOSE)
+
+
 @pytest.mark.parametrize('spelling', ['{}_rad', '{} (rad)', '{}[radians]', '{} / rad', '{}Rad'])
 def test_a_name_in_radians_however_it_is_spelt(tmp_path: Path, spelling: str) -> None:
     rows = '0 0.1 0.2 0.3\n0.01 0.11 0.2 0.3\n'
