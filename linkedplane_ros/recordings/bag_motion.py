@@ -327,7 +327,7 @@ class BagMotion:
             if loss.topic in read:
                 self.refused.add(loss.reason, loss.where, loss.number)
             else:
-                self.refused.notes.append(f'{loss.number:,} messages not read: {loss.where}')
+                self.refused.notes.append(f'messages not read: {loss.number:,}: {loss.where}')
         self.refused.notes += bag.surpluses()
 
     def _frames(self, bag: Bag, connection: Connection, data: bytes, place: Place) -> list[Frame]:

@@ -26,6 +26,7 @@ from bags import (
     write_bag,
 )
 
+from linkedplane_ros.processing.reading import read_processed
 from linkedplane_ros.recordings.bags.opening import open_bag
 
 HEAD = 'rosbag2_bagfile_information'
@@ -120,7 +121,7 @@ def test_messages_of_other_topics_that_are_missing_are_said(
     database.commit()
     assert count_frames(bag, tmp_path / 'out.csv') == 10
     told = capsys.readouterr().out
-    assert '3 messages not read: /notes: metadata.yaml counts 10, 7 are there\n' in told
+    assert 'messages not read: 3: /notes: metadata.yaml counts 10, 7 are there\n' in told
     assert 'refused' not in told
 
 
@@ -147,7 +148,7 @@ def test_messages_of_no_topic_are_counted(
     database.execute('UPDATE messages SET topic_id = 9 WHERE id > 6')
     database.commit()
     assert count_frames(bag / 'bag.db3', tmp_path / 'out.csv') == 6
-    assert '4 messages not read: topic 9, which bag.db3 does not define' in capsys.readouterr().out
+    assert 'messages not read: 4: topic 9, which bag.db3 does not define' in capsys.readouterr().out
 
 
 def split(tmp_path: Path, storage: Any, ending: str) -> Path:
@@ -269,3 +270,82 @@ def test_the_case_of_a_type_without_definition_in_a_database_of_humble(
     rows = read_rows(file)
     assert rows
     assert read_rows(tmp_path / 'out' / 'out.db3') == rows
+
+
+@pytest.mark.parametrize('fault', ['flip', 'cut', 'rollback'])
+def test_what_sqlite_does_not_take_of_a_wal_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], fault: str
+) -> None:
+    path = unfinished(tmp_path, 'wal')
+    wal = path.with_name(path.name + '-wal')
+    data = bytearray(wal.read_bytes())
+    if fault == 'flip':
+        data[-9] ^= 1
+    elif fault == 'cut':
+        del data[-4000:]
+    else:  # the end of a transaction is the size of the database in the head of its last page
+        data[-4096 - 24 + 4 : -4096 - 24 + 8] = bytes(4)
+    wal.write_bytes(data)
+    # sqlite3 judges: none of the transaction is there
+    copy = shutil.copytree(path.parent, tmp_path / 'judged')
+    [(held,)] = sqlite3.connect(copy / path.name).execute('SELECT COUNT(*) FROM messages')
+    assert count_frames(path, tmp_path / 'out.csv') == held == 10
+    assert 'bag.db3-wal: ' in (told := capsys.readouterr().out)
+    assert 'pages are damaged or were not committed; messages in them are lost' in told
+
+
+def test_times_before_zero_are_carried_over(tmp_path: Path) -> None:
+    sent = [each for k in range(10) for each in (joint_state(k), text_note(k))]
+    bag = write_bag(tmp_path / 'bag', sent, SQLITE3)
+    with sqlite3.connect(bag / 'bag.db3') as database:
+        database.execute('UPDATE messages SET timestamp = -5 WHERE id = 4')
+    database.close()
+    assert exit_status([str(bag), str(tmp_path / 'out')]) == 0
+    rows = read_rows(bag / 'bag.db3')
+    assert rows[0][3] == -5
+    assert read_rows(tmp_path / 'out' / 'out.db3') == rows
+
+
+@pytest.mark.parametrize('change', ["timestamp = 'x'", 'timestamp = 1.5', "data = 'text'"])
+def test_a_message_that_is_no_message_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: str
+) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], SQLITE3)
+    with sqlite3.connect(bag / 'bag.db3') as database:
+        database.execute(f'UPDATE messages SET {change} WHERE id = 4')
+    database.close()
+    line = refusal_line(capsys, str(bag), str(tmp_path / 'out'))
+    assert 'bag.db3: ' in line
+    assert 'Error' not in line
+
+
+OLDER = {  # what databases of ROS distributions before Jazzy have not
+    'iron': ['DELETE FROM message_definitions'],
+    'humble': [
+        'DROP TABLE message_definitions',
+        'UPDATE schema SET schema_version = 3',
+        'ALTER TABLE topics DROP COLUMN type_description_hash',
+    ],
+    'galactic': ['DROP TABLE schema', 'DROP TABLE metadata'],
+    'dashing': ['ALTER TABLE topics DROP COLUMN offered_qos_profiles'],
+}
+
+
+@pytest.mark.parametrize('oldest', OLDER)
+def test_databases_of_older_distributions_are_carried_over(tmp_path: Path, oldest: str) -> None:
+    sent = [each for k in range(10) for each in (joint_state(k), text_note(k))]
+    bag = write_bag(tmp_path / 'bag', sent, SQLITE3)
+    database = sqlite3.connect(bag / 'bag.db3')
+    database.execute("UPDATE topics SET type = 'my_msgs/msg/Own' WHERE name = '/notes'")
+    for name, changes in OLDER.items():
+        for change in changes:
+            database.execute(change)
+        if name == oldest:
+            break
+    database.commit()
+    database.close()
+    assert exit_status([str(bag), str(tmp_path / 'out')]) == 0
+    rows = read_rows(bag / 'bag.db3')
+    assert len(rows) == 20
+    assert read_rows(tmp_path / 'out' / 'out.db3') == rows
+    assert len(read_processed(tmp_path / 'out').times) == 10

@@ -88,7 +88,7 @@ class BagWriter:
 
     def _metadata(self) -> dict[str, Any]:
         count = sum(self._counts)
-        start, name = (self._start if count else 0), self._file.path.name
+        start, name = max(0, self._start if count else 0), self._file.path.name  # no less: rosbag2
         times = {
             'starting_time': {'nanoseconds_since_epoch': start},
             'duration': {'nanoseconds': max(0, self._end - start)},

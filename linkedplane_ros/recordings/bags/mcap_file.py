@@ -67,7 +67,7 @@ class McapFile:
 
     def _open(self) -> None:
         self._layout = layout = McapLayout(self._file)
-        self.faults, self.profile = layout.faults, layout.profile
+        self.faults = layout.faults
         self._schemas, self._channels = layout.schemas, layout.channels
         self._segments = layout.segments
         counts = self._settle_counts(layout.statistics)

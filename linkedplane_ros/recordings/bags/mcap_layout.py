@@ -22,7 +22,6 @@ from .mcap_records import (
     FIRST_PRIVATE,
     FOOTER,
     FOOTER_SIZE,
-    HEADER,
     MAGIC,
     MESSAGE,
     MESSAGE_HEAD,
@@ -86,7 +85,6 @@ class McapLayout:
         """Why the walk ended before the footer; empty: it did not."""
         self.whole = len(MAGIC)
         """Where the last whole record of the data section ends."""
-        self.profile = ''
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.segments: list[Segment] = []
@@ -159,8 +157,6 @@ class McapLayout:
             self.schemas.update([read_schema(self._content(record))])
         elif opcode == CHANNEL:
             self.channels.update([read_channel(self._content(record))])
-        elif opcode == HEADER:
-            self.profile = Fields(self._content(record)).text()
         elif opcode == ATTACHMENT:
             self.attachments.append(record)
         elif opcode == METADATA:

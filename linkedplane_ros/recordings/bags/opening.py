@@ -23,6 +23,7 @@ from .metadata import BagMetadata, read_metadata
 from .sqlite_file import SqliteFile
 
 SQLITE_MAGIC = b'SQLite format 3\0'
+EVER = -(2**63)  # ns: before any message
 ROS1 = 'ros1'  # a serialization in MCAP files
 
 
@@ -32,7 +33,6 @@ class BagFile(Protocol):
     path: Path
     storage: str
     """mcap or sqlite3"""
-    profile: str
     connections: dict[int, Connection]
     strays: Counter[str]
     faults: list[str]
@@ -171,7 +171,7 @@ class Bag:
         return ROS1 in serializations and CDR not in serializations
 
     def messages(
-        self, chosen: Collection[Connection] | None = None, start: int = 0
+        self, chosen: Collection[Connection] | None = None, start: int = EVER
     ) -> Iterator[RecordedMessage]:
         """Yield messages: file by file, in each in the order of time.
 

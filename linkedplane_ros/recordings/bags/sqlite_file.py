@@ -46,7 +46,7 @@ class SqliteFile:
         self.path = path
         self.strays: Counter[str] = Counter()
         self.faults: list[str] = []
-        self.storage, self.profile = 'sqlite3', 'ros2'
+        self.storage = 'sqlite3'
         self._stack = ExitStack()
         try:
             self._database = self._connect()
@@ -74,7 +74,20 @@ class SqliteFile:
         database = sqlite3.connect(f'file:{quote(str(path.absolute()))}?{rest}', uri=True)
         self._stack.callback(database.close)
         database.text_factory = lambda data: data.decode(errors='surrogateescape')
+        for wal in (each for each in beside if each.name.endswith('-wal')):
+            self._check_wal(database, wal)
         return database
+
+    def _check_wal(self, database: sqlite3.Connection, wal: Path) -> None:
+        """Note what SQLite does not take of a -wal: pages that are torn, or not committed."""
+        [(page,)] = database.execute('PRAGMA page_size')
+        [(_, taken, _)] = database.execute('PRAGMA wal_checkpoint(PASSIVE)')
+        written = count_wal_pages(wal, page)
+        if written > max(0, taken):
+            self.faults.append(
+                f'{wal.name}: {written - max(0, taken)} of its {written} pages are damaged or were '
+                'not committed; messages in them are lost'
+            )
 
     def _query(self, command: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         return iter(self._database.execute(command, values))
@@ -109,7 +122,9 @@ class SqliteFile:
                 self.strays[f'topic {number}, which {self.path.name} does not define'] = count
         self.message_count: int = sum(counts.values())
         [(start, end)] = self._query('SELECT MIN(timestamp), MAX(timestamp) FROM messages')
-        self.start, self.end = int(start or 0), int(end or 0)
+        if not {type(start), type(end)} <= {int, type(None)}:
+            raise sqlite3.DatabaseError(f'the times of messages: {start!r} to {end!r}')
+        self.start, self.end = start or 0, end or 0
 
     def _read_definitions(self) -> dict[str, TypeDefinition]:
         """Return the definitions of types; ROS distributions before Jazzy wrote none."""
@@ -193,3 +208,20 @@ class SqliteFile:
     def close(self) -> None:
         """Close the file."""
         self._stack.close()
+
+
+def count_wal_pages(wal: Path, page: int) -> int:
+    """Return how many pages a -wal has of its last use (sqlite.org/fileformat2.html, section 4).
+
+    It is used again from its beginning: behind its last page may stand older ones, of other salts.
+    """
+    size, count, salts = 24 + page, 0, b''
+    with wal.open('rb') as file:
+        file.seek(32)
+        while len(head := file.read(24)) == 24:
+            salts = salts or head[8:16]
+            if head[8:16] != salts:
+                break
+            count += 1
+            file.seek(32 + count * size)
+    return count
