@@ -40,6 +40,11 @@ class Rejected(LinkedPlaneError):
 class OtherJoints(Rejected):
     """A message of other joints alone, as a hand's or another arm's on the same topic."""
 
+    def __init__(self, wanted: Sequence[str], names: Sequence[str]) -> None:
+        """Keep the names that came instead of the wanted ones."""
+        super().__init__('no_joint', explain_missing(wanted, names))
+        self.names = summarize_names(names)
+
 
 @dataclass(frozen=True)
 class JointMap:
@@ -159,11 +164,10 @@ class JointMemory:
             last = {name: i for i, name in enumerate(names)}
             places = [(name, last[name]) for name in self.joints.names if name in last]
             if not places:
-                raise (OtherJoints if names else Rejected)(
-                    'no_joint',
-                    f'none of the joints {", ".join(self.joints.names)} in it, but '
-                    f'{summarize_names(names)}; set joint_names or joint_convention',
-                )
+                wanted = self.joints.names
+                if len(names):
+                    raise OtherJoints(wanted, names)
+                raise Rejected('no_joint', explain_missing(wanted, names))
             self._names, self._places = list(names), places
         return self._places
 
@@ -190,8 +194,16 @@ def _usable_velocities(
 
 
 def summarize_names(names: Sequence[str], most: int = 6) -> str:
-    """Return the first few names as text."""
+    """Return the first few names as text, safe to log whatever they are."""
     if not len(names):
         return 'no joint at all'
     more = f' and {len(names) - most} more' if len(names) > most else ''
-    return ', '.join(names[:most]) + more
+    return ', '.join(map(describe_value, names[:most])) + more
+
+
+def explain_missing(wanted: Sequence[str], names: Sequence[str]) -> str:
+    """Return why a message without any of the wanted joints is of no use."""
+    return (
+        f'none of the joints {", ".join(wanted)} in it, but {summarize_names(names)}; '
+        'set joint_names or joint_convention'
+    )

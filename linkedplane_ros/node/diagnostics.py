@@ -20,13 +20,16 @@ STALE_AFTER = 3.0  # s without input
 
 @dataclass
 class Tally:
-    """Counts and times (s) of a muscle's messages so far."""
+    """Counts and times (s) of a muscle's messages so far; an arrival is that of its joints."""
 
     received: int = 0
     answered: int = 0
     near_singular: int = 0
     rejected: Counter[str] = field(default_factory=Counter)
     last_rejection: str = ''
+    others: int = 0
+    """Messages of other joints alone; they are nobody's fault as long as ours come, too."""
+    last_other: str = ''
     incompatible_peers: list[str] = field(default_factory=list)
     solve_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
     callback_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
@@ -41,6 +44,8 @@ class Tally:
         fresh, self.rejected_before = rejected - self.rejected_before, rejected
         near = self.near_singular - self.near_singular_before
         self.near_singular_before = self.near_singular
+        if self.last_arrival is None and self.others:
+            return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_other}'
         if self.last_arrival is None:
             line = next(iter(self.incompatible_peers), 'no joint states received yet')
             return DiagnosticStatus.STALE, line
@@ -93,6 +98,7 @@ def build_status(
     values = dict(facts)
     values['messages received'] = str(tally.received)
     values['messages answered'] = str(tally.answered)
+    values['messages of other joints'] = str(tally.others)
     values['peers that do not fit'] = str(len(tally.incompatible_peers))
     values['answers near the singularity'] = str(tally.near_singular)
     for reason in REASONS:

@@ -25,7 +25,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
 from ..errors import LinkedPlaneError
-from ..joints.joint_state import JointMemory, Rejected
+from ..joints.joint_state import JointMemory, OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
@@ -35,6 +35,8 @@ from .parameters import NAMES, is_list
 from .ros_arguments import argument_errors, initialise_ros, warn_of_unknown_parameters
 from .settings import Settings
 from .topics import DIAGNOSTICS, JOINT_STATES, NODE_NAME
+
+OTHERS_ALONE = 2.0  # s: so long after the first message of other joints, ours should have come
 
 
 class MuscleStatePublisher(Node):
@@ -102,6 +104,10 @@ class MuscleStatePublisher(Node):
                 gone.close()
         if not hasattr(self, '_memory') or self._memory.joints != settings.joints:
             self._memory = JointMemory(settings.joints)
+            self._has_come = False  # a message of our joints
+            self._other: OtherJoints | None = None  # the newest that has not been logged
+            self._first_other: float | None = None  # s, when it came
+            self._others_logged = False
         self._settings, self._muscles = settings, muscles
         logger = self.get_logger()
         for muscle, solver in zip(muscles, settings.solvers, strict=True):
@@ -161,21 +167,44 @@ class MuscleStatePublisher(Node):
             angles, speeds, warning = self._memory.take_message(
                 message.name, message.position, message.velocity
             )
+        except OtherJoints as error:
+            self._other = error
+            self._first_other = start if self._first_other is None else self._first_other
+            for muscle in self._muscles:
+                muscle.pass_over(error)
+            return
         except Rejected as error:
+            self._has_come = True
             for muscle in self._muscles:
                 muscle.reject(error, start)
             self.get_logger().warning(
                 f'joint state not used: {error}', throttle_duration_sec=THROTTLE
             )
             return
+        self._has_come = True
         if warning:
             self.get_logger().warning(warning, throttle_duration_sec=THROTTLE)
         stamp = message.header.stamp
         for muscle in self._muscles:
             start = muscle.answer(stamp, angles, speeds, start)
 
+    def _log_others(self) -> None:
+        """Log that other joints come: once beside ours, a warning where they come instead."""
+        other, first = self._other, self._first_other
+        if other is None or first is None:
+            return
+        if self._has_come and not self._others_logged:
+            self._others_logged = True
+            self.get_logger().info(f'joint states of other joints are passed over: {other.names}')
+        elif not self._has_come and perf_counter() - first > OTHERS_ALONE:
+            self.get_logger().warning(
+                f'joint state not used: {other}', throttle_duration_sec=THROTTLE
+            )
+            self._other = None
+
     def _report(self) -> None:
-        """Once a second: log incompatible peers, serve new viewers, publish the diagnostics."""
+        """Once a second: log what is odd, serve new viewers, publish the diagnostics."""
+        self._log_others()
         of_input = qos.describe_incompatible_peers(self, self._input)
         lines = list(of_input)
         for muscle in self._muscles:

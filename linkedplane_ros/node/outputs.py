@@ -16,7 +16,7 @@ from rclpy.node import Node
 from ..drawing.shapes import RateLimiter
 from ..errors import LinkedPlaneError
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
-from ..joints.joint_state import Rejected
+from ..joints.joint_state import OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.states import MuscleState
@@ -93,6 +93,12 @@ class MuscleOutputs:
         tally.received += 1
         tally.last_arrival = start
         self._count_rejection(error)
+
+    def pass_over(self, error: OtherJoints) -> None:
+        """Count a joint state of other joints alone."""
+        self.tally.received += 1
+        self.tally.others += 1
+        self.tally.last_other = str(error)
 
     def _count_rejection(self, error: Rejected) -> None:
         self.tally.rejected[error.reason] += 1

@@ -95,8 +95,8 @@ REFUSED = [
     ('sizes', (), (0.1,), '0 names but 1 positions; one each expected'),
     ('no_joint', (), (), 'none of the joints flexion, abduction, rotation in it, but no joint at '
      'all; set joint_names or joint_convention'),
-    ('no_joint', ('elbow', 'wrist'), (0.1, 0.2), 'in it, but elbow, wrist; set joint_names'),
-    ('no_joint', tuple('abcdefgh'), (0.0,) * 8, 'but a, b, c, d, e, f and 2 more; set'),
+    ('no_joint', ('elbow', 'wrist'), (0.1, 0.2), "in it, but 'elbow', 'wrist'; set joint_names"),
+    ('no_joint', tuple('abcdefgh'), (0.0,) * 8, "but 'a', 'b', 'c', 'd', 'e', 'f' and 2 more; set"),
     ('not_finite', NAMES, (0.1, math.nan, 0.3), "joint 'abduction' is nan; a finite angle"),
     ('not_finite', NAMES, (0.1, 0.2, math.inf), "joint 'rotation' is inf; a finite angle"),
     ('not_finite', ('flexion',), (-math.inf,), "joint 'flexion' is -inf; a finite angle"),
@@ -210,9 +210,9 @@ def test_unusable_velocities_are_left_out_with_a_warning_and_not_remembered(
     ('count', 'text'),
     [
         (0, 'no joint at all'),
-        (1, 'a'),
-        (6, 'a, b, c, d, e, f'),
-        (8, 'a, b, c, d, e, f and 2 more'),
+        (1, "'a'"),
+        (6, "'a', 'b', 'c', 'd', 'e', 'f'"),
+        (8, "'a', 'b', 'c', 'd', 'e', 'f' and 2 more"),
     ],
 )
 def test_a_list_of_names_is_cut_short(count: int, text: str) -> None:

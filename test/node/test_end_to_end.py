@@ -112,7 +112,6 @@ def test_every_joint_state_of_a_recording_is_answered_once_in_order_on_every_top
 
 
 BAD = {
-    'no known joint': (('elbow', 'wrist'), (0.1, 0.2), 'no_joint', 'elbow, wrist'),
     'sizes that differ': (NAMES, (0.1, 0.2), 'sizes', '3 names but 2 positions'),
     'nan': (NAMES, (0.1, math.nan, 0.2), 'not_finite', "'abduction' is nan"),
     'infinity': (NAMES, (0.1, 0.2, math.inf), 'not_finite', "'rotation' is inf"),
