@@ -29,6 +29,7 @@ from .settings import STILL, Settings
 from .topics import NODE_NAME, OUTPUTS
 
 THROTTLE = 5.0  # s between log lines on rejected messages
+DEGREES_AT_LEAST = 50  # messages: fewer are faults of some messages, not of their unit
 
 
 class MuscleOutputs:
@@ -101,8 +102,16 @@ class MuscleOutputs:
         self.tally.last_other = str(error)
 
     def _count_rejection(self, error: Rejected) -> None:
-        self.tally.rejected[error.reason] += 1
-        self.tally.last_rejection = str(error)
+        tally = self.tally
+        tally.rejected[error.reason] += 1
+        tally.last_rejection = str(error)
+        degrees = tally.rejected['degrees']
+        if degrees >= DEGREES_AT_LEAST and degrees > tally.answered:
+            self._logger.warning(
+                f'joint states look like degrees throughout: {degrees} rejected, {tally.answered} '
+                'answered; radians expected (REP 103)',
+                once=True,
+            )
 
     def answer(self, stamp: Time, angles: Triple, speeds: Triple | None, start: float) -> float:
         """Publish the state at given angles, or log why there is none.

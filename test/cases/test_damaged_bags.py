@@ -12,7 +12,6 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from bags import exit_status
 from bag_fuzz import (
     COUNT,
     FORMATS,
@@ -26,6 +25,7 @@ from bag_fuzz import (
     write_sqlite,
     written_frames,
 )
+from bags import exit_status
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader
 from mcap.stream_reader import StreamReader

@@ -11,7 +11,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bags import NAMES, exit_status, joint_state, read_csv, read_messages, refusal_line, write_bag
+from bags import (
+    NAMES,
+    exit_status,
+    joint_state,
+    node_answers,
+    read_csv,
+    read_messages,
+    refusal_line,
+    write_bag,
+)
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
@@ -314,3 +323,12 @@ def test_a_copy_of_an_output_is_read_in_radians(tmp_path: Path) -> None:
     joints = [f'angles/{name}' for name in NAMES]
     assert exit_status([str(tmp_path / 'copy.csv'), str(twice), '--joints', *joints]) == 0
     np.testing.assert_array_equal(read_csv(twice)[2][:, :4], read_csv(once)[2][:, :4])
+
+
+@pytest.mark.parametrize(('largest', 'lines'), [(90.0, 1), (0.9, 0)])
+def test_the_node_says_once_that_a_stream_looks_like_degrees(
+    ros: None, capfd: pytest.CaptureFixture[str], largest: float, lines: int
+) -> None:
+    raised = np.abs(np.sin(np.linspace(0.0, 12.0, 400))) * largest  # some below 2 pi
+    node_answers([joint_state(k, position=[each, 0.2, 0.1]) for k, each in enumerate(raised)])
+    assert capfd.readouterr().err.count('look like degrees throughout') == lines
