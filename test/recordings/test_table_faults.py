@@ -60,7 +60,18 @@ FAULTS = {
         '#\n' + CSV.replace('3', '3,3'),
         'm.csv:4: 4 cells; 3, as the names, expected',
     ),
-    'a comment among the rows': ('m.csv', CSV + '# end\n', 'm.csv:4: 1 cells; 3, as the names'),
+    'a comment among the rows': ('m.csv', CSV + '# end\n', 'm.csv:4: a comment among the rows'),
+    'a row that is a comment': ('m.csv', CSV + '#1,2,3\n', 'm.csv:4: a comment among the rows'),
+    'cells apart by spaces': (
+        'm.csv',
+        CSV.replace(',', ' '),
+        'found time a b; commas, semicolons or tabs expected between them',
+    ),
+    'a date of ISO': (
+        'm.csv',
+        CSV.replace('0.1', '2024-05-01T12:00:00Z'),
+        'a date or a time of day?',
+    ),
     'an end within a row': ('m.csv', CSV[:-3], 'm.csv:3: 2 cells; 3, as the names, expected'),
     'a word': (
         'm.csv',
@@ -267,3 +278,12 @@ def test_a_file_without_permission_is_named(tmp_path: Path) -> None:
     path.chmod(0)
     with unprivileged():
         assert read_fault(path) == 'm.csv: cannot be read: Permission denied'
+
+
+@pytest.mark.parametrize('name', ['time_min', 'Frame', 'minutes', 'clock (h)', 'sample'])
+def test_a_time_that_is_named_is_not_taken_for_seconds_against_its_name(
+    tmp_path: Path, name: str
+) -> None:
+    path = write_table(tmp_path, 'm.csv', CSV.replace('time', name))
+    with pytest.raises(RecordingError, match=r'is in .*; s, ms, us or ns expected'):
+        Table.from_file(path, name)

@@ -149,7 +149,8 @@ def test_what_is_infinite_is_no_gap(tmp_path: Path, word: str) -> None:
 @pytest.mark.parametrize(
     ('name', 'second'),
     [('time_ms', 1e3), ('Time (ms)', 1e3), ('t [us]', 1e6), ('timestamp_ns', 1e9), ('timeMs', 1e3),
-     ('Time (µs)', 1e6), ('elapsed time (milliseconds)', 1e3), ('__time_s', 1.0)],
+     ('Time (µs)', 1e6), ('TIME_MS', 1e3), ('timems', 1e3), ('milliseconds', 1e3), ('%time', 1e9),
+     ('Zeit [ms]', 1e3), ('elapsed time (milliseconds)', 1e3), ('__time_s', 1.0)],
 )  # fmt: skip
 def test_the_unit_in_the_name_of_the_time_is_obeyed(
     tmp_path: Path, name: str, second: float
@@ -165,7 +166,14 @@ def test_the_unit_in_the_name_of_the_time_is_obeyed(
 
 
 @pytest.mark.parametrize(
-    ('name', 'second'), [('frame_clock', 1.0), ('frame_clock_ms', 1e3), ('clock (ns)', 1e9)]
+    ('name', 'second'),
+    [
+        ('frame_clock', 1.0),
+        ('frame_clock_ms', 1e3),
+        ('clock (ns)', 1e9),
+        ('millis', 1e3),
+        ('stampNs', 1e9),
+    ],
 )
 def test_the_time_can_be_named(tmp_path: Path, name: str, second: float) -> None:
     path = write_table(tmp_path, 'motion.csv', f'time,{name},a\n7,0,1\n8,{second},2\n')

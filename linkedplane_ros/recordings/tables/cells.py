@@ -15,6 +15,7 @@ from ...types import Floats
 TableRow = tuple[int, list[str]]  # the number of its line, its cells
 
 NUMBER = re.compile(r'[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?')
+COMMENT = 'a comment among the rows? leave it out'
 # of words of these characters, Python takes for a number what is one, and nan
 PLAIN = b'0123456789+-.eE nNaA'
 GAP = re.compile(
@@ -23,7 +24,7 @@ GAP = re.compile(
     re.IGNORECASE,
 )
 INFINITE = re.compile(r'[+-]?(inf|infinity|∞|1[.,]#inf0*)', re.IGNORECASE)
-CLOCK = re.compile(r'[0-9]{1,4}[-/.][0-9]{1,2}[-/.][0-9]{1,4}\b|[0-9]+:[0-9]+')
+CLOCK = re.compile(r'[0-9]{1,4}[-/.][0-9]{1,2}[-/.][0-9]{1,4}(?![0-9.])|[0-9]+:[0-9]+')
 COMMA_TO_POINT = {ord(','): '.', ord('.'): '?'}  # a point is none, and no number then
 UNIT = re.compile(
     r'[\[(]?(s|sec|seconds?|ms|us|ns|rad|radians?|deg|degrees?|°)[\])]?', re.IGNORECASE
@@ -52,7 +53,10 @@ def parse_rows(
     cells: list[str] = []  # in one list: one a row would be slow to hold
     for line, row in rows:
         if len(row) != len(header):
-            raise RecordingError(f'{line}: {len(row)} cells; {len(header)}, as the names, expected')
+            hint = f'; {COMMENT}' if row[0].startswith('#') else ''
+            raise RecordingError(
+                f'{line}: {len(row)} cells; {len(header)}, as the names, expected{hint}'
+            )
         lines.append(line)
         cells += [row[k] for k in places]
     n = len(places)
@@ -96,7 +100,9 @@ def parse_number(line: int, name: str, cell: str, comma: bool = False) -> float:
     if INFINITE.fullmatch(text):
         return -math.inf if text.startswith('-') else math.inf
     hint = 'one like -0,5 expected, as in the rows before' if comma else 'one like -0.5 expected'
-    if CLOCK.match(text):
+    if text.startswith('#'):
+        hint = COMMENT
+    elif CLOCK.match(text):
         hint = 'a date or a time of day? seconds as a plain number expected'
     elif UNIT.fullmatch(text):
         hint = (

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -13,6 +13,7 @@ from pathlib import Path
 from ...errors import RecordingError
 from ..formats import HEAD, describe_refusal, foreign_content
 
+MARK = '\ufeff'  # of UTF-8; some programs write it twice
 LONGEST_LINE = 2**20  # bytes of a line, thousands of columns: no file is read as a single line
 
 
@@ -72,7 +73,8 @@ def decode_lines(lines: Iterator[bytes]) -> Iterator[str]:
         if len(line) >= LONGEST_LINE:
             raise RecordingError(f'{number}: a line of {LONGEST_LINE} bytes or more; not a table?')
         try:
-            yield (line.removeprefix(BOM_UTF8) if number == 1 else line).decode()
+            text = line.decode()
+            yield text.lstrip(MARK) if number == 1 else text
         except UnicodeDecodeError:
             yield line.decode('latin-1')
     if not number:

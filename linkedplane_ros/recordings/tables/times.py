@@ -20,11 +20,42 @@ UNITS = {  # how many are a second, by every name of the unit
     'us': 1e6, 'µs': 1e6, 'μs': 1e6, 'usec': 1e6, 'micros': 1e6, 'microseconds': 1e6,
     'ns': 1e9, 'nsec': 1e9, 'nanos': 1e9, 'nanosecond': 1e9, 'nanoseconds': 1e9,
 }  # fmt: skip
+NO_UNITS = frozenset(  # what a time may be in, but is not read in
+    [
+        'min',
+        'mins',
+        'minute',
+        'minutes',
+        'h',
+        'hr',
+        'hrs',
+        'hour',
+        'hours',
+        'd',
+        'day',
+        'days',
+        'cs',
+        'ds',
+        'frame',
+        'frames',
+        'sample',
+        'samples',
+        'index',
+        'tick',
+        'ticks',
+        'cycle',
+        'cycles',
+    ]
+)
+ROSTOPIC = '%time'  # of rostopic echo -p, in ns
 UNIT = (
     r'(?:\s*[\[({]\s*(?P<bracketed>[^\])}]*?)\s*[\])}]|\s*[_/,.: ]\s*(?P<ending>[^\W_]+)'
-    r'|(?<=[a-z])(?P<camel>[MmUuNn]s|M?Sec|MS|NS|US))'
+    r'|(?<=[a-z])(?P<camel>[MUN]s|M?Sec|MS|NS|US)'
+    r'|(?:(?<=[Tt]ime)|(?<=stamp))(?P<glued>[mun]s(?:ec)?|sec|millis|micros|nanos))'
 )
-TIME = re.compile(rf'_*(?:(?i:time|t|time[ _]?stamp|elapsed(?:[ _]?time)?))(?:{UNIT})?')
+TIME = re.compile(
+    rf'_*(?:(?i:time|t|time[ _]?stamp|elapsed(?:[ _]?time)?|zeit|temps|tiempo|tempo))(?:{UNIT})?'
+)
 WITH_UNIT = re.compile(rf'.*?{UNIT}')
 SECONDS = re.compile(r'(?P<stamp>.*[._/]|)(?P<sec>secs?)')
 NANOSECONDS = {'sec': ('nanosec', 'nsec'), 'secs': ('nsecs', 'nanosecs')}
@@ -96,9 +127,10 @@ def find_time(line: int, names: Sequence[str], wanted: str | None = None) -> Tim
             'expected, or --time NAME'
         )
     if not candidates:
+        hint = '; commas, semicolons or tabs expected between them' if len(names) == 1 else ''
         raise RecordingError(
             f'{line}: names of columns expected, a time among them ({", ".join(PLAIN_TIMES)}, or '
-            f'another unit; else --time NAME); found {join_names(names)}'
+            f'another unit; else --time NAME); found {join_names(names)}{hint}'
         )
     find_column(line, names, candidates[0])
     return TimeColumns((candidates[0],), (units_per_second(line, candidates[0]),))
@@ -116,18 +148,22 @@ def usual_times(names: Sequence[str]) -> list[str]:
     return [
         name
         for name, match in matches
-        if match and (match['ending'] is None or match['ending'].lower() in UNITS)
+        if (match and (match['ending'] is None or match['ending'].lower() in UNITS))
+        or (len(name) > 1 and name.lower() in UNITS)
+        or name == ROSTOPIC
     ]
 
 
 def units_per_second(line: int, name: str) -> float:
     """Return how many units of a time are a second: the unit that its name says, or else s."""
     match = WITH_UNIT.fullmatch(name)
-    said = match and (match['bracketed'] or match['ending'] or match['camel'])
-    unit = said.lower() if said else 's'
-    if unit not in UNITS and match and match['ending'] is None:
+    said = next(filter(None, match.groups()), '') if match else name
+    unit = 'ns' if name == ROSTOPIC else said.lower()
+    if unit in UNITS:
+        return UNITS[unit]
+    if unit in NO_UNITS or (match and match['ending'] is None):
         raise RecordingError(f'{line}: the time {name!r} is in {unit!r}; s, ms, us or ns expected')
-    return UNITS.get(unit, 1.0)
+    return 1.0
 
 
 def nanosecond_names(name: str) -> list[str]:
