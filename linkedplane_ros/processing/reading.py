@@ -21,7 +21,7 @@ from ..libraries import advise_install
 from ..recordings.bag_motion import JointFrameReader
 from ..recordings.bags.opening import open_bag
 from ..recordings.motion import Frame, Place
-from ..recordings.stamps import read_stamp
+from ..recordings.stamps import read_header_stamp
 from ..types import Floats
 from .outputs import facts_file
 from .topics import BAND, COORDINATE, moment_arm_names, read_label
@@ -166,7 +166,7 @@ def read_answers(
                     made = list(frame_reader.read_frames(message, topic, Place(0, time)))
                     frames = [each for each in made if isinstance(each, Frame)] or frames
             elif topic == f'/{muscle}/band_states':  # their stamps are those of the frames
-                answers['band_states'].append(read_stamp(topic, connection.kind, data))
+                answers['band_states'].append(read_header_stamp(topic, connection.kind, data))
             elif topic in wanted:
                 message = bag.read_message(connection, data)
                 answers[wanted[topic]].append(message.data)

@@ -19,7 +19,7 @@ from .bags.opening import Bag, open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
 from .motion import ROWS, Chunk, Frame, Place, Refusals, Refused
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader, stamp_in_nanoseconds
-from .stamps import find_unstamped, read_stamp
+from .stamps import find_unstamped, read_header_stamp
 from .stretches import TimeWatch
 from .units import AngleRange, AngleUnit, decide_unit, name_words
 
@@ -312,7 +312,7 @@ class BagMotion:
             k: stamp
             for k, (connection, _, data, *_) in enumerate(batch.records)
             if self.frame_reader.accepts(connection.topic, connection.kind)
-            and (stamp := read_stamp(connection.topic, connection.kind, data)) is not None
+            and (stamp := read_header_stamp(connection.topic, connection.kind, data)) is not None
         }
         return list(stamps), list(stamps.values())
 

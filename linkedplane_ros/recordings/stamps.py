@@ -12,7 +12,7 @@ SECOND = 10**9  # ns: a clock that begins at 0 has gone on by less than this at 
 HEADER = 4  # bytes of CDR before the message
 
 
-def read_stamp(topic: str, kind: str, data: bytes) -> int | None:
+def read_header_stamp(topic: str, kind: str, data: bytes) -> int | None:
     """Return the stamp of a message, ns, from its bytes; of transforms that of the first.
 
     None where there is none: of static transforms, which hold at all times, or of bytes too few.

@@ -22,6 +22,7 @@ from .mcap_records import (
     FIRST_PRIVATE,
     FOOTER,
     FOOTER_SIZE,
+    HEADER,
     MAGIC,
     MESSAGE,
     MESSAGE_HEAD,
@@ -164,7 +165,7 @@ class McapLayout:
         elif opcode == DATA_END and record.size == CRC_SIZE:
             self.data_crc = Fields(self._content(record)).number(CRC_SIZE)
             self._data_end = record.offset + record.size
-        elif opcode < FIRST_PRIVATE:
+        elif opcode != HEADER and opcode < FIRST_PRIVATE:
             raise McapFault(f'a record 0x{opcode:02x} of {record.size} bytes among the data')
 
     def _content(self, record: Record) -> bytes:
