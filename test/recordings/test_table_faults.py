@@ -60,8 +60,16 @@ FAULTS = {
         '#\n' + CSV.replace('3', '3,3'),
         'm.csv:4: 4 cells; 3, as the names, expected',
     ),
-    'a comment among the rows': ('m.csv', CSV + '# end\n', 'm.csv:4: a comment among the rows'),
-    'a row that is a comment': ('m.csv', CSV + '#1,2,3\n', 'm.csv:4: a comment among the rows'),
+    'a comment among the rows': (
+        'm.csv',
+        CSV + '# end\n',
+        'm.csv:4: 1 cells; 3, as the names, expected; a comment among the rows? leave it out',
+    ),
+    'a row that is a comment': (
+        'm.csv',
+        CSV + '#1,2,3\n',
+        "m.csv:4: column 'time': '#1' is not a number; a comment among the rows? leave it out",
+    ),
     'cells apart by spaces': (
         'm.csv',
         CSV.replace(',', ' '),

@@ -20,38 +20,15 @@ UNITS = {  # how many are a second, by every name of the unit
     'us': 1e6, 'µs': 1e6, 'μs': 1e6, 'usec': 1e6, 'micros': 1e6, 'microseconds': 1e6,
     'ns': 1e9, 'nsec': 1e9, 'nanos': 1e9, 'nanosecond': 1e9, 'nanoseconds': 1e9,
 }  # fmt: skip
-NO_UNITS = frozenset(  # what a time may be in, but is not read in
-    [
-        'min',
-        'mins',
-        'minute',
-        'minutes',
-        'h',
-        'hr',
-        'hrs',
-        'hour',
-        'hours',
-        'd',
-        'day',
-        'days',
-        'cs',
-        'ds',
-        'frame',
-        'frames',
-        'sample',
-        'samples',
-        'index',
-        'tick',
-        'ticks',
-        'cycle',
-        'cycles',
-    ]
-)
+NO_UNITS = {  # what a time may be in, but is not read in
+    'min', 'mins', 'minute', 'minutes', 'h', 'hr', 'hour', 'hours', 'd', 'day', 'days', 'cs', 'ds',
+    'frame', 'frames', 'sample', 'samples', 'index', 'tick', 'ticks', 'cycle', 'cycles',
+}  # fmt: skip
 ROSTOPIC = '%time'  # of rostopic echo -p, in ns
 UNIT = (
     r'(?:\s*[\[({]\s*(?P<bracketed>[^\])}]*?)\s*[\])}]|\s*[_/,.: ]\s*(?P<ending>[^\W_]+)'
     r'|(?<=[a-z])(?P<camel>[MUN]s|M?Sec|MS|NS|US)'
-    r'|(?:(?<=[Tt]ime)|(?<=stamp))(?P<glued>[mun]s(?:ec)?|sec|millis|micros|nanos))'
+    r'|(?i:(?:(?<=time)|(?<=stamp))(?P<glued>[mun]s(?:ec)?|sec|millis|micros|nanos)))'
 )
 TIME = re.compile(
     rf'_*(?:(?i:time|t|time[ _]?stamp|elapsed(?:[ _]?time)?|zeit|temps|tiempo|tempo))(?:{UNIT})?'
