@@ -42,6 +42,13 @@ def describe_value(value: Any) -> str:
     return text if len(text) <= LONGEST else f'{text[: LONGEST - 3]}...'
 
 
+def escape_controls(text: str) -> str:
+    """Return a message as one line: what does not print, as a line's end, is escaped."""
+    if text.isprintable():
+        return text
+    return ''.join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+
+
 def as_plain(value: Any) -> Any:
     """Return a value with lists and numbers of Python in place of NumPy's."""
     if type(value) in (list, tuple):

@@ -15,6 +15,7 @@ from decimal import Decimal
 from importlib import import_module
 
 from .. import __version__
+from ..errors import escape_controls
 from ..node.command_line import exit_status, split_ros_arguments
 
 COMMANDS = ('info', 'solve', 'play', 'fit', 'process', 'plot', 'study')  # a module each
@@ -66,7 +67,7 @@ def main(args: Sequence[str] | None = None) -> int:
         options.run(options)
         sys.stdout.flush()
     except ValueError as error:  # ours, or a library's for what it found in a file
-        print(f'linkedplane: {error}', file=sys.stderr)
+        print(f'linkedplane: {escape_controls(str(error))}', file=sys.stderr)
         return exit_status(error)
     except SystemExit as end:  # of argparse, or with what a command found out
         return end.code if isinstance(end.code, int) else 0

@@ -13,7 +13,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, escape_controls
 from ..files import find_abandoned, workshop_of
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
 from .argument_types import add_muscle, add_scale, add_side, positive_count, positive_number, sign
@@ -129,7 +129,7 @@ def run(args: argparse.Namespace) -> None:
     tasks, clashes = build_tasks(sources, out, single, options)
     faults += clashes
     for fault in faults:
-        print(f'linkedplane: {fault}', file=sys.stderr)
+        print(f'linkedplane: {escape_controls(fault)}', file=sys.stderr)
     if tasks and not (single and tasks[0].target == out):
         try:
             out.mkdir(parents=True, exist_ok=True)
@@ -166,7 +166,7 @@ def print_report(report: Report) -> None:
     """Print what has become of a recording: a line, and one for each kind of refused frame."""
     task = report.task
     if report.fault:
-        print(f'linkedplane: {report.fault}', file=sys.stderr)
+        print(f'linkedplane: {escape_controls(report.fault)}', file=sys.stderr)
         return
     refused = sum(report.refused.values())
     rate = report.frames / max(report.seconds, 1e-9)
@@ -175,9 +175,10 @@ def print_report(report: Report) -> None:
         line += f', {refused:,} refused'
     if report.outside:
         line += f", {report.outside:,} outside the model's range of motion"
-    print(line)
+    print(escape_controls(line))
     for reason, count in report.refused.items():
-        print(f'  {count:,} refused as {reason}, first at {report.first[reason]}')
+        where = escape_controls(report.first[reason])
+        print(f'  {count:,} refused as {reason}, first at {where}')
     for note in report.notes:
         print(f'  {note}', file=sys.stderr if note.startswith('warning:') else sys.stdout)
     if report.mostly_refused:

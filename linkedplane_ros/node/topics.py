@@ -32,7 +32,8 @@ DIAGNOSTICS = Topic(
     '/diagnostics',
     'diagnostic_msgs/msg/DiagnosticArray',
     'Once a second, for each muscle: messages received, answered, of other joints, and rejected by '
-    "reason; solve and callback times (mean, 99th percentile, worst); the input's age; theta and wrap states; "
+    "reason; solve and callback times (mean, 99th percentile, worst); the input's age; theta and "
+    'wrap states; '
     'convention, muscle, compiled or not; answers near the singularity; peers whose quality of '
     'service does not fit. OK; WARN: something rejected in the last second, or a peer that does '
     'not fit; ERROR: nothing was usable so far; STALE: no input yet, or none for 3 s.',

@@ -6,6 +6,7 @@ Each output is written beside its final place and moved there when it is complet
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -151,6 +152,17 @@ def is_facts_file(path: Path) -> bool:
     return False
 
 
+def encode_fact(fact: str) -> str:
+    """Return a fact as it stands in one line of a CSV's head: as it is, or else as JSON's text."""
+    plain = fact.isprintable() and fact.strip() == fact and not fact.startswith('"')
+    return fact if plain else json.dumps(fact)
+
+
+def decode_fact(text: str) -> str:
+    """Return the fact that `encode_fact` has written."""
+    return str(json.loads(text)) if text.startswith('"') else text
+
+
 class CsvOutput:
     """A CSV file: a row for each frame; the facts are lines with # before the header.
 
@@ -175,7 +187,7 @@ class CsvOutput:
             facts_path.write_text(text, encoding='utf-8')
         else:
             for name, fact in description.facts.items():
-                self._file.write(f'# {name}: {fact}\n')
+                self._file.write(f'# {name}: {encode_fact(fact)}\n')
         self._file.write(','.join(column_names(description)) + '\n')
 
     def write(self, solved: SolvedChunk) -> None:

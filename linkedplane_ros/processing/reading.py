@@ -23,7 +23,7 @@ from ..recordings.bags.opening import open_bag
 from ..recordings.motion import Frame, Place
 from ..recordings.stamps import read_header_stamp
 from ..types import Floats
-from .outputs import facts_file
+from .outputs import decode_fact, facts_file
 from .topics import BAND, COORDINATE, moment_arm_names, read_label
 
 FACTS_DRAWN = ('muscle', 'side', 'joint_convention', 'heads')
@@ -69,7 +69,7 @@ def read_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
             if not line.startswith('#'):
                 break
             name, _, fact = line[1:].strip().partition(': ')
-            facts[name] = fact
+            facts[name] = decode_fact(fact)
         else:
             line = ''
         names = next(csv.reader([line]), [])

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
-from ..joints.joint_state import Rejected
+from ..joints.joint_state import Rejected, summarize_names
 from ..joints.sides import mirror_rotation
 from ..types import Floats, Triple
 from .motion import Frame, Place, Refused
@@ -199,7 +199,9 @@ class PoseFrameReader:
         for bone in (humerus, base):
             if bone not in self._poses and bone not in self._parents.values():
                 met = sorted({*self._poses, *self._parents, *self._parents.values()} - {''})
-                return f'no pose of {bone}; frames met: {", ".join(met) or "none"}'
+                return (
+                    f'no pose of {bone}; frames met: {summarize_names(met, 12) if met else "none"}'
+                )
         return (
             f'{humerus} is given in {self._root(humerus)!r}, {base} in {self._root(base)!r}; '
             'poses in one frame expected'

@@ -140,7 +140,7 @@ def tree(k: int, *hung: tuple[str, str, np.ndarray]) -> Sent:
     [
         (
             'humerrus',
-            'no pose of humerrus; frames met: humerus, lab, map, scapula',
+            "no pose of humerrus; frames met: 'humerus', 'lab', 'map', 'scapula'",
         ),
         (
             'humerus',
