@@ -23,6 +23,7 @@ from ..types import Floats
 
 FLAGS = {True: '--degrees', False: '--radians'}
 SETTLE = '--degrees or --radians settles it'
+LONGEST = 300  # characters that are searched for a unit: names and lines are shorter
 
 # what stands around a unit in a name: flexion_deg, flexion (deg), flexion/deg; flexion_deg_, as
 # MATLAB, and flexion..deg., as R spells the second
@@ -129,6 +130,8 @@ def split_unit(name: str) -> tuple[str, bool | None]:
 
     A unit that is not the end of the name stays in it.
     """
+    if len(name) > LONGEST:
+        return name, None
     if match := _MARK.fullmatch(name):
         return match['joint'], True
     if match := _UNIT.fullmatch(name) or _CAMEL.fullmatch(name):
@@ -156,7 +159,7 @@ def name_words(path: Path, columns: Sequence[str], alone: bool) -> tuple[UnitWor
         If the names have several units, or some have none, or one that is neither deg nor rad.
     """
     for name in columns:
-        if match := _OTHER.fullmatch(name):
+        if len(name) <= LONGEST and (match := _OTHER.fullmatch(name)):
             raise RecordingError(
                 f'{path}: column {name!r}: angles in deg or rad expected, not in {match["unit"]}'
             )
@@ -198,7 +201,7 @@ def head_words(path: Path, head: Iterable[str]) -> tuple[UnitWord, ...]:
     opensim = path.suffix.lower() in ('.mot', '.sto')
     for line, text in enumerate(head, 1):
         bare = text.strip(LEFTOVERS)
-        match = _SENTENCE.fullmatch(bare.lstrip('# '))
+        match = _SENTENCE.fullmatch(bare.lstrip('# ')) if len(bare) <= LONGEST else None
         if match and not (re.search(r'\bdeg', bare, re.I) and re.search(r'\brad', bare, re.I)):
             in_degrees = (match['degrees'] or match['unit']) is not None
             sentences.append(UnitWord(in_degrees, f'{bare[:60]!r} in the file'))
