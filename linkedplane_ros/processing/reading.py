@@ -18,8 +18,8 @@ from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, OtherJoints
 from ..libraries import advise_install
-from ..recordings.bag_motion import JointFrameReader
 from ..recordings.bags.opening import open_bag
+from ..recordings.frame_readers import JointFrameReader
 from ..recordings.motion import Frame, Place
 from ..recordings.stamps import read_header_stamp
 from ..types import Floats

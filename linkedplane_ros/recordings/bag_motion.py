@@ -5,23 +5,23 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
-from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, OtherJoints, Rejected
+from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, OtherJoints
 from .bags.connections import Connection, RecordedMessage
 from .bags.opening import Bag, open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
+from .frame_readers import FrameReader, JointFrameReader
 from .motion import ROWS, Chunk, Frame, Place, Refusals, Refused
-from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader, stamp_in_nanoseconds
+from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
 from .stamps import find_unstamped, read_header_stamp
 from .stretches import TimeWatch
-from .units import AngleRange, AngleUnit, decide_unit, name_words
+from .units import decide_unit, name_words
 
 BATCH_BYTES = 2**24  # of a bag's messages, held at a time
 
@@ -33,88 +33,6 @@ class Batch(NamedTuple):
     share: float
     """Of the recording, read so far, 0 to 1."""
     last: bool = False
-
-
-class FrameReader(Protocol):
-    """Reads the frames of a motion out of a bag's messages."""
-
-    unit: AngleUnit
-    met: AngleRange
-    """The positions that were met, where nobody says their unit."""
-
-    @property
-    def facts(self) -> Mapping[str, str]:
-        """What is read, for an output's metadata."""
-
-    def accepts(self, topic: str, kind: str) -> bool:
-        """Return whether a topic's messages of a type are read."""
-
-    def read_frames(self, message: Any, topic: str, place: Place) -> Iterator[Frame | Refused]:
-        """Yield the frames that a message completes; OtherJoints if it is of none of them."""
-
-    def last_frames(self) -> Iterator[Frame | Refused]:
-        """Yield the frames that only the end of the recording completes."""
-
-    def unused_messages(self) -> Iterator[tuple[str, int, str]]:
-        """Yield why, how many and where: messages without a frame that were not rejected."""
-
-
-RADIANS = AngleUnit(False, 'REP 103')
-
-
-@dataclass
-class JointFrameReader:
-    """Reads frames out of joint states, as the node does."""
-
-    topic: str
-    memory: JointMemory
-    unit: AngleUnit = RADIANS
-    met: AngleRange = field(init=False)
-
-    def __post_init__(self) -> None:
-        """Begin with no position."""
-        self.met = AngleRange(self.memory.joints.names)
-
-    @property
-    def facts(self) -> Mapping[str, str]:
-        """Where the angles come from."""
-        return {
-            'topic': self.topic,
-            'read_in': self.unit.fact,
-            **self.memory.joints.facts,
-            'velocities': 'recorded, where the recording has them',
-        }
-
-    def accepts(self, topic: str, kind: str) -> bool:
-        """Return whether these are the joint states chosen."""
-        return kind == JOINT_STATE and topic == self.topic
-
-    def read_frames(self, message: Any, topic: str, place: Place) -> Iterator[Frame | Refused]:
-        """Yield the one frame of a message; OtherJoints if it has none of the joints."""
-        positions, velocities = message.position, message.velocity
-        if not self.unit.said:
-            self.met.extend_named(message.name, positions)
-        elif self.unit.degrees:
-            positions, velocities = np.radians(positions), np.radians(velocities)
-        try:
-            angles, speeds, _ = self.memory.take_message(
-                message.name, positions.tolist(), velocities.tolist()
-            )
-        except OtherJoints:
-            raise
-        except Rejected as error:
-            yield Refused(error.reason, str(error), place)
-            return
-        stamp = place.time if place.unstamped else stamp_in_nanoseconds(message.header.stamp)
-        yield Frame(stamp, place, angles, speeds)
-
-    def last_frames(self) -> Iterator[Frame | Refused]:
-        """Yield nothing: no message waits for another."""
-        yield from ()
-
-    def unused_messages(self) -> Iterator[tuple[str, int, str]]:
-        """Yield nothing: each message has its frame, or was rejected."""
-        yield from ()
 
 
 class BagMotion:
