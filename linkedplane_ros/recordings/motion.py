@@ -40,7 +40,8 @@ class Refusals:
     def most(self) -> bool:
         """Whether more of the frames were refused than were kept."""
         late = self.counts['no_plane'] + self.counts['too_short']  # these could be used at first
-        lost = self.counts.total() - self.counts['same_time']  # the last of equal ones is kept
+        spare = self.counts['same_time'] + self.counts['earlier']  # beside one that is kept
+        lost = self.counts.total() - spare
         return lost > self.used - late
 
     def add(self, reason: str, where: str, count: int = 1) -> None:
