@@ -18,10 +18,8 @@ from bags import (
 )
 
 from linkedplane_ros.commands.main import main
-from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
 from linkedplane_ros.processing.inputs import find_recordings
-from linkedplane_ros.processing.reading import read_processed
 
 
 def test_an_output_that_exists_is_left_alone_without_force(
@@ -174,20 +172,6 @@ def test_a_topic_without_messages_is_not_chosen(tmp_path: Path) -> None:
     source = write_bag(tmp_path / 'in', sent, empty=['/joint_states'])
     assert exit_status([str(source), str(tmp_path / 'out.csv')]) == 0
     assert '# topic: /human/joint_states\n' in (tmp_path / 'out.csv').read_text()
-
-
-def plain_table(folder: Path) -> tuple[Path, Path]:
-    """Write a plain table; return it and the file of its facts."""
-    source, table = write_bag(folder / 'in', odd_motion()), folder / 'out.csv'
-    assert exit_status([str(source), str(table), '--plain']) == 0
-    return table, folder / 'out.csv.facts.yaml'
-
-
-def plot_refusal(table: Path) -> str:
-    """Return why an output cannot be read."""
-    with pytest.raises(RecordingError) as caught:
-        read_processed(table)
-    return str(caught.value)
 
 
 @pytest.mark.parametrize(

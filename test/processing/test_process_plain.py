@@ -20,6 +20,20 @@ from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.processing.reading import read_processed
 
 
+def plain_table(folder: Path) -> tuple[Path, Path]:
+    """Write a plain table; return it and the file of its facts."""
+    source, table = write_bag(folder / 'in', odd_motion()), folder / 'out.csv'
+    assert exit_status([str(source), str(table), '--plain']) == 0
+    return table, folder / 'out.csv.facts.yaml'
+
+
+def plot_refusal(table: Path) -> str:
+    """Return why an output cannot be read."""
+    with pytest.raises(RecordingError) as caught:
+        read_processed(table)
+    return str(caught.value)
+
+
 def test_a_plain_table_begins_with_its_header_and_has_its_facts_beside_it(tmp_path: Path) -> None:
     source = write_bag(tmp_path / 'in', odd_motion())
     usual, plain = tmp_path / 'usual.csv', tmp_path / 'plain.csv'
