@@ -149,7 +149,8 @@ def test_what_is_infinite_is_no_gap(tmp_path: Path, word: str) -> None:
 @pytest.mark.parametrize(
     ('name', 'second'),
     [('time_ms', 1e3), ('Time (ms)', 1e3), ('t [us]', 1e6), ('timestamp_ns', 1e9), ('timeMs', 1e3),
-     ('Time (µs)', 1e6), ('TIME_MS', 1e3), ('timems', 1e3), ('TIMEMS', 1e3), ('milliseconds', 1e3), ('%time', 1e9),
+     ('Time (µs)', 1e6), ('TIME_MS', 1e3), ('timems', 1e3), ('TIMEMS', 1e3), ('milliseconds', 1e3),
+     ('%time', 1e9),
      ('Zeit [ms]', 1e3), ('elapsed time (milliseconds)', 1e3), ('__time_s', 1.0)],
 )  # fmt: skip
 def test_the_unit_in_the_name_of_the_time_is_obeyed(

@@ -33,7 +33,7 @@ def csv_rows(lines: Iterator[str]) -> tuple[list[str], str, Iterator[TableRow]]:
         elif text.strip() and not text.startswith('#'):
             before = len(head)
             delimiter = delimiter or find_delimiter(before + 1, text)
-            return head, delimiter, split_rows(chain([text], lines), before, delimiter)
+            return head, delimiter, split_rows(text, lines, before, delimiter)
         head.append(text)
     return head, delimiter, iter(())
 
@@ -50,26 +50,35 @@ def find_delimiter(line: int, names: str) -> str:
     return first
 
 
-def split_rows(lines: Iterator[str], before: int, delimiter: str) -> Iterator[TableRow]:
-    """Yield the rows of a CSV that are not empty; there are some lines before them."""
-    quotes = 0
+def split_rows(names: str, lines: Iterator[str], before: int, delimiter: str) -> Iterator[TableRow]:
+    """Yield the rows of a CSV that are not empty, the names first.
 
-    def count_quotes() -> Iterator[str]:
-        nonlocal quotes
-        for text in lines:
-            quotes += text.count('"')
-            yield text
+    A quote that does not end is refused, but where cells have spaces behind their quotes, as the
+    names show: those are not told apart.
 
-    reader = csv.reader(count_quotes(), delimiter=delimiter, skipinitialspace=True)
+    Parameters
+    ----------
+    names
+        The line of the names.
+    lines
+        The lines after it.
+    before
+        How many lines there are before it.
+    delimiter
+        What stands between cells.
+    """
+    rows = csv.reader(
+        chain([names], lines),
+        delimiter=delimiter,
+        skipinitialspace=True,
+        strict='" ' not in names,
+    )
     line = before + 1
     try:
-        for cells in reader:
-            next_line = before + reader.line_num + 1
-            if quotes % 2 and (next_line > line + 1 or not any('"' in cell for cell in cells)):
-                raise RecordingError(f'{line}: not CSV: a quote that does not end')
+        for cells in rows:
             if any(cells):
                 yield line, cells
-            line, quotes = next_line, 0
+            line = before + rows.line_num + 1
     except csv.Error as error:
         raise RecordingError(f'{line}: not CSV: {error}') from None
 
@@ -91,11 +100,10 @@ def opensim_rows(lines: Iterator[str]) -> tuple[list[str], str, Iterator[TableRo
         )
     for line, text in enumerate(lines, len(head) + 1):
         if text.strip():
-            rest = chain([text], lines)
             if '\t' not in text and (',' in text or ';' in text):
                 delimiter = find_delimiter(line, text)
-                return head, delimiter, split_rows(rest, line - 1, delimiter)
-            numbered = enumerate(rest, line)
+                return head, delimiter, split_rows(text, lines, line - 1, delimiter)
+            numbered = enumerate(chain([text], lines), line)
             return head, '', ((n, cells) for n, row in numbered if (cells := row.split()))
     return head, '', iter(())
 
