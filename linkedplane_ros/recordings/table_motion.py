@@ -15,7 +15,7 @@ from .motion import ROWS, Chunk, Refusals, seconds_to_nanoseconds
 from .stretches import TimeWatch, differentiate_stretches
 from .tables.columns import find_joint_columns
 from .tables.table import Table
-from .units import AngleRange, decide_unit, head_words, name_words
+from .units import AngleRange, check_head, decide_unit, head_words, name_words
 
 
 class TableMotion:
@@ -55,6 +55,8 @@ class TableMotion:
         above = head_words(path, self.table.head)
         names = name_words(path, self.columns, alone=degrees is None and not above)
         self.unit = decide_unit(path, degrees, (*names, *above))
+        if not self.unit.said:
+            check_head(path, self.table.head)
         self.met = AngleRange(joints.names)
         self.facts: Mapping[str, str] = {
             'columns': ', '.join(self.columns),

@@ -225,6 +225,15 @@ def head_words(path: Path, head: Iterable[str]) -> tuple[UnitWord, ...]:
     return (*flags, *sentences)
 
 
+def check_head(path: Path, head: Sequence[str]) -> None:
+    """Raise a RecordingError if lines above the names speak of degrees alone, whatever they say."""
+    spoken = [(k, line, split_unit(line.strip())[1]) for k, line in enumerate(head, 1)]
+    for k, line, degrees in spoken:
+        if degrees and not any(other is False for _, _, other in spoken):
+            text = line.strip()[:60]
+            raise RecordingError(f'{path}:{k}: {text!r}: are the angles in degrees? {SETTLE}')
+
+
 class AngleRange:
     """The smallest and the largest angle that was met of each joint, in the recording's unit.
 

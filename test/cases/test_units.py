@@ -225,6 +225,20 @@ def test_no_real_recording_in_radians_is_refused(
     assert exit_status([*command, '--joints', *names[1:]]) == 0
 
 
+@pytest.mark.parametrize(
+    'comment', ['# flexion abduction rotation in deg', '# units: s, deg, deg, deg', '# angles [°]']
+)
+def test_a_comment_that_speaks_of_degrees_is_not_passed_over(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], comment: str
+) -> None:
+    source = write_csv(tmp_path / 'in.csv', NAMES)
+    source.write_text(f'{comment}\n{source.read_text()}', encoding='utf-8')
+    line = refusal_line(capsys, str(source), str(tmp_path / 'o.csv'))
+    assert f'in.csv:1: {comment!r}: are the angles in degrees? --degrees or --radians' in line
+    assert exit_status([str(source), str(tmp_path / 'o.csv'), '--degrees']) == 0
+    np.testing.assert_allclose(first_angles(tmp_path / 'o.csv'), FIRST, rtol=0.0, atol=CLOSE)
+
+
 def test_a_copy_of_an_output_is_read_in_radians(tmp_path: Path) -> None:
     once, twice = tmp_path / 'o.csv', tmp_path / 'twice.csv'
     assert exit_status([*turn(tmp_path, np.linspace(0.2, 1.0, 9)), '--radians']) == 0
