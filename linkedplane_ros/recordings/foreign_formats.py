@@ -141,15 +141,15 @@ FOREIGN = (
         'a Motive (OptiTrack) export',
         f'it has poses of rigid bodies or markers, and {ONE_HEADER}',
         ('.tak',),
-        text_begins_with(rb'Format Version[,;\t]'),
+        text_begins_with(rb'Format Version"?[,;\t]'),
     ),
     ForeignFormat(
         'a Vicon export',
         f'it counts frames, not time, and {ONE_HEADER}',
         ('.x1d', '.x2d', '.vsk'),
         text_begins_with(
-            rb'(?:Model Outputs|Trajectories|Devices|Joints|Segments|Events)["\s,;]*\n'
-            rb'"?\d+(?:\.\d+)?["\s,;]*\n'
+            rb'(?:Model Outputs|Trajectories|Analog|Devices|Joints|Segments|Events)["\s,;]*\n'
+            rb'"?\d+(?:[.,]\d+)?["\s,;]*(?:Hz["\s,;]*)?\n'
         ),
     ),
     ForeignFormat(

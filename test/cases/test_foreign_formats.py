@@ -82,6 +82,8 @@ SIBLINGS = {  # the beginnings are those that `file` (libmagic) and the formats'
     'dot.csv': (b'sep=,\nDeviceTag:,D422\nPacketCounter,SampleTimeFine\n', 'an Xsens export'),
     'visual3d.csv': (b'\tC:\\raise.c3d\tC:\\raise.c3d\n', 'a Visual3D export'),
     'again.csv': (b'Joints,,\n100,,\n,,P:Arm,\n', 'a Vicon export'),
+    'old.csv': (b'TRAJECTORIES\r\n100,Hz\r\n,*110,,\r\n', 'a Vicon export'),
+    'quoted.csv': (b'"Format Version";"1.23"\n', 'a Motive (OptiTrack) export'),
     'topic.csv': (b'header:\n  stamp:\n    sec: 1\n', 'text of ros2 topic echo'),
     'raw.csv': (b'\n<!DOCTYPE html>\n<html>', 'a page of the web'),
     'recording.csv': (b'\x89MCAP0\r\n\1', 'an MCAP recording by its content; rename it'),
