@@ -197,7 +197,7 @@ class BagMotion:
         if number == self.others and self.others:
             self.refused.add('no_joint', self.first_other, self.others)
         elif self.others:
-            of = f'{self.others:,} messages of other joints'
+            of = f'{self.others:,} message{"s" * (self.others > 1)} of other joints'
             self.refused.notes.append(f'{of} passed over, first at {self.first_other}')
 
     def _find_stamps(self, bag: Bag) -> Iterator[tuple[Batch, Collection[int]]]:

@@ -93,7 +93,8 @@ def test_refused_frames_are_counted_with_their_first_place(
     assert exit_status([str(source), str(tmp_path / 'out.csv'), '--radians']) == 0
     told = capsys.readouterr().out
     assert '36 frames' in told
-    assert '4 refused' in told
+    assert '3 refused' in told
+    assert '1 message of other joints passed over, first at message 6' in told
     assert "1 refused as degrees, first at message 5, 0.04 s: joint 'abduction' is 90" in told
 
 
