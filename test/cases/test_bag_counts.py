@@ -220,14 +220,18 @@ def set_version(version: int, path: str) -> Callable[[dict[str, Any]], None]:
 
 
 @pytest.mark.parametrize('version', range(1, 10))
-@pytest.mark.parametrize('style', ['relative', 'absolute', 'moved'])
+@pytest.mark.parametrize('style', ['relative', 'below', 'absolute', 'moved'])
 def test_every_version_of_metadata_is_read(tmp_path: Path, version: int, style: str) -> None:
     bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)])
     path = {
         'relative': 'bag/bag.mcap' if version < 4 else 'bag.mcap',
+        'below': 'bag/parts/bag.mcap' if version < 4 else 'parts/bag.mcap',
         'absolute': str(bag / 'bag.mcap'),
         'moved': '/home/somebody/bag/bag.mcap',
     }[style]
+    if style == 'below':
+        (bag / 'parts').mkdir()
+        (bag / 'bag.mcap').rename(bag / 'parts' / 'bag.mcap')
     with_version = change_metadata(bag, set_version(version, path))
     with closing(open_bag(with_version)) as opened:
         assert sum(1 for _ in opened.messages()) == 10

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from bags import exit_status, read_csv, refusal_line
+from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType
 from mcap_files import JOINT_STATE, JOINT_STATE_TEXT, Schema, Topic, read_mcap, write_mcap
 from rosbags.rosbag2 import Reader
@@ -114,6 +115,20 @@ def test_quality_of_service_and_hash_are_kept(tmp_path: Path) -> None:
         [other] = after.topics['/own'].connections
         assert other.ext.offered_qos_profiles == one.ext.offered_qos_profiles != []
         assert other.digest == 'RIHS01_1234'
+
+
+@pytest.mark.parametrize('text', ['- [: {', 'reliable', '- history: 1'])
+def test_a_quality_of_service_that_rosbag2_would_stop_at_is_left_out(
+    tmp_path: Path, text: str
+) -> None:
+    # it throws in to_rclcpp_qos_vector of its rosbag2_storage/qos.cpp; empty it takes
+    ours = Topic('/joint_states', Schema(), 'cdr', {'offered_qos_profiles': text, 'a': 'b'})
+    source = write_mcap(tmp_path / 'in.mcap', ours=ours)
+    with process_to_bag(source, tmp_path / 'out').open('rb') as file:
+        summary = make_reader(file).get_summary()
+    facts = {each.topic: each.metadata for each in summary.channels.values()}['/joint_states']
+    assert facts['offered_qos_profiles'] == ''
+    assert facts['a'] == 'b'
 
 
 @pytest.mark.parametrize('profile', ['ros1', ''])
