@@ -13,8 +13,9 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, OtherJoints
+from .bags.bag import Bag
 from .bags.connections import Connection, RecordedMessage
-from .bags.opening import Bag, open_bag
+from .bags.opening import open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
 from .frame_readers import FrameReader, JointFrameReader
 from .motion import ROWS, Chunk, Frame, Place, Refusals, Refused

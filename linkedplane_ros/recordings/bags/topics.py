@@ -10,9 +10,10 @@ from pathlib import Path
 
 from ...errors import RecordingError
 from ..formats import METADATA
+from .bag import Bag
 from .connections import ros2_type_name
 from .metadata import read_metadata
-from .opening import Bag, open_bag
+from .opening import open_bag
 
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 DEFAULT_TOPIC = '/joint_states'
