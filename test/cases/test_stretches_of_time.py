@@ -210,3 +210,45 @@ def test_messages_of_other_joints_are_not_refused(tmp_path: Path) -> None:
     alone = write_bag(tmp_path / 'alone', [joint_state(k, ('finger',)) for k in range(3)])
     fault = run_task(Task(alone, tmp_path / 'p.csv', Options())).fault
     assert 'nothing was usable: message 1, 0.00 s: none of the joints' in fault
+
+
+def transforms(k: int, stamp: int) -> Sent:
+    """Return a message of /tf that moves the humerus."""
+    types, kind = STORE.types, 'tf2_msgs/msg/TFMessage'
+    header = types['std_msgs/msg/Header'](
+        types['builtin_interfaces/msg/Time'](*divmod(stamp, 10**9)), 'lab'
+    )
+    half = 0.1 + k / 99
+    turns = {'scap': (0.0, 0.0, 0.0, 1.0), 'hum': (0.0, -np.sin(half), 0.0, np.cos(half))}
+    nowhere = types['geometry_msgs/msg/Vector3'](0.0, 0.0, 0.0)
+    each = [
+        types['geometry_msgs/msg/TransformStamped'](
+            header,
+            name,
+            types['geometry_msgs/msg/Transform'](
+                nowhere, types['geometry_msgs/msg/Quaternion'](*turn)
+            ),
+        )
+        for name, turn in turns.items()
+    ]
+    data = bytes(STORE.serialize_cdr(types[kind](each), kind))
+    return '/tf', kind, T0 + k * 10**7, data
+
+
+@pytest.mark.parametrize(
+    ('stamps', 'note'),
+    [
+        ([0] * 20, 'without a stamp (0)'),
+        ([T0 + (k % 10) * 10**7 for k in range(20)], 'at message 11'),
+    ],
+)
+def test_transforms_without_stamps_or_played_again_lose_no_frame(
+    tmp_path: Path, stamps: list[int], note: str
+) -> None:
+    sent = [transforms(k, stamp) for k, stamp in enumerate(stamps)]
+    frames = {'humerus': 'hum', 'scapula': 'scap'}
+    report, columns = process(write_bag(tmp_path / 'in', sent), tmp_path / 'o.csv', **frames)
+    assert (report.frames, dict(report.refused)) == (20, {})
+    assert note in report.notes[0]
+    abduction = 2.0 * (0.1 + np.arange(20) / 99)
+    np.testing.assert_allclose(columns['angles/abduction'], abduction, atol=1e-9)
