@@ -180,7 +180,10 @@ def print_report(report: Report) -> None:
         where = escape_controls(report.first[reason])
         print(f'  {count:,} refused as {reason}, first at {where}')
     for note in report.notes:
-        print(f'  {note}', file=sys.stderr if note.startswith('warning:') else sys.stdout)
+        if note.startswith('warning: '):
+            print(f'linkedplane: {escape_controls(note)}', file=sys.stderr)
+        else:
+            print(f'  {escape_controls(note)}')
     if report.mostly_refused:
         print(f'linkedplane: warning: {task.source}: most frames were refused; {task.target} has '
               'only the others', file=sys.stderr)  # fmt: skip

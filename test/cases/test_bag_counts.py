@@ -294,7 +294,7 @@ def test_what_sqlite_does_not_take_of_a_wal_is_said(
     copy = shutil.copytree(path.parent, tmp_path / 'judged')
     [(held,)] = sqlite3.connect(copy / path.name).execute('SELECT COUNT(*) FROM messages')
     assert count_frames(path, tmp_path / 'out.csv') == held == 10
-    assert 'bag.db3-wal: ' in (told := capsys.readouterr().out)
+    assert 'bag.db3-wal: ' in (told := capsys.readouterr().err)
     assert 'pages are damaged or were not committed; messages in them are lost' in told
 
 
