@@ -125,6 +125,14 @@ def test_a_chunk_whose_crc_is_wrong_is_left_out_and_its_messages_are_counted(
     assert f'{lost} refused as missing' in printed
 
 
+def test_zeros_behind_a_chunk_that_is_left_out_are_the_end(tmp_path: Path) -> None:
+    path = write_mcap(tmp_path / 'a.mcap', PLAIN, True)
+    head = path.read_bytes()[: record_borders(path)[0]]
+    path.write_bytes(head + b'\6' + (40).to_bytes(8, 'little') + b'\xff' * 39 + bytes(101))
+    with pytest.raises(RecordingError, match=r'no message before is whole: byte \d+: 0'):
+        open_bag(path)
+
+
 def noted(path: Path) -> str:
     """Return the faults of a bag of which all is read."""
     with closing(open_bag(path)) as bag:

@@ -113,10 +113,11 @@ class McapLayout:
                 continue
             try:
                 self._take_record(record)
+                last = record
             except McapFault as fault:
                 self.faults.append(f'byte {record.offset - RECORD.size}: {fault}: left out')
+                last = None
             self.whole = record.offset + record.size
-            last = record
         self.cut = self.cut or 'the file ends'
         if last is not None:
             self._leave_out_zeros(last)
