@@ -52,6 +52,12 @@ OURS = {
     'no encoding': Topic('/joint_states', Schema(encoding='', text=b'')),
     'bytes': Topic('/joint_states', Schema(text=b'\xff\xfe = no definition')),
     'incomplete': Topic('/joint_states', Schema(text=HEAD)),
+    'a field of the header spoilt': Topic(
+        '/joint_states', Schema(text=JOINT_STATE_TEXT.replace(b' stamp', b' stanp'))
+    ),
+    'a type in the header spoilt': Topic(
+        '/joint_states', Schema(text=JOINT_STATE_TEXT.replace(b'int32 sec', b'int64 sec'))
+    ),
     'IDL cut': Topic('/joint_states', Schema(encoding='ros2idl', text=b'module sensor_msgs {')),
     'broken QoS': Topic('/joint_states', Schema(), 'cdr', {'offered_qos_profiles': '- [: {'}),
     'QoS of text': Topic('/joint_states', Schema(), 'cdr', {'offered_qos_profiles': 'reliable'}),

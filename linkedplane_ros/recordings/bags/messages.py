@@ -44,12 +44,16 @@ class MessageReader:
 
     def _choose_store(self, kind: str, definition: TypeDefinition) -> Any:
         """Return the definitions by which a type is read: the bag's if it has more, else ROS's."""
-        fields = dict(self._known.fielddefs[kind][1])
+        known = self._known.fielddefs
         own = parse_definition(kind, definition)
         if own is None or own.hash_rihs01(kind) == self._known.hash_rihs01(kind):
             return self._known
-        held = dict(own.fielddefs[kind][1])
-        return own if fields.items() <= held.items() else self._known
+        whole = all(
+            dict(known[name][1]).items() <= dict(fields).items()
+            for name, (_, fields) in own.fielddefs.items()
+            if name in known
+        )
+        return own if whole else self._known
 
 
 def split_idl(text: str) -> list[str]:
