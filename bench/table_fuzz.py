@@ -149,7 +149,7 @@ def read_cell(dialect: Dialect, cell: str) -> float | None:
 def read_table(path: Path) -> Floats:
     """Return what our reader makes of a table, (k, 4): the time in s, and the wanted columns."""
     chunks = [
-        np.column_stack((times, values))
+        np.column_stack((times.astype(float), values))
         for times, values, _ in Table.from_file(path).chunks(WANTED, 4)
     ]
     return np.concatenate(chunks)

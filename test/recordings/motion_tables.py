@@ -26,11 +26,11 @@ def write_table(folder: Path, name: str, content: str | bytes) -> Path:
 
 
 def read_all(table: Table, names: tuple[str, ...], rows: int = 10_000) -> tuple[Floats, Floats]:
-    """Return all that a table holds of some columns, read in chunks."""
+    """Return all that a table holds of some columns, read in chunks, as float64."""
     times, values, shares = zip(*table.chunks(names, rows), strict=True)
     assert list(shares) == sorted(shares)
     assert shares[-1] == 1.0
-    return np.concatenate(times), np.concatenate(values)
+    return np.concatenate(times).astype(float), np.concatenate(values)
 
 
 def read_fault(path: Path, names: tuple[str, ...] = ('a', 'b')) -> str:

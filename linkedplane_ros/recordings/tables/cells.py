@@ -15,6 +15,7 @@ from ...types import Floats
 TableRow = tuple[int, list[str]]  # the number of its line, its cells
 
 NUMBER = re.compile(r'[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?')
+EXACT_TIME = 1e6  # in any unit of time: float64 has nanoseconds of a smaller one in s
 COMMENT = 'a comment among the rows? leave it out'
 # of words of these characters, Python takes for a number what is one, and nan
 PLAIN = b'0123456789+-.eE nNaA'
@@ -33,15 +34,15 @@ UNIT = re.compile(
 
 def parse_rows(
     header: Sequence[str], times: int, places: Sequence[int], rows: Iterator[TableRow], comma: bool
-) -> Floats:
-    """Return the cells of k rows in n columns as numbers (k, n).
+) -> tuple[Floats, Floats]:
+    """Return the cells of k rows in n columns as numbers: times (k, m), and the rest (k, n - m).
 
     Parameters
     ----------
     header
         The names of all columns.
     times
-        How many of the n columns, the first ones, are times and must be finite.
+        m: how many of the n columns, the first ones, are times and must be finite.
     places
         The n columns.
     rows
@@ -70,7 +71,20 @@ def parse_rows(
         k, j = np.argwhere(~is_time)[0]
         cell = cells[n * k + j]
         raise RecordingError(f'{lines[k]}: its time is {cell!r}; a finite number expected')
-    return numbers
+    of_time = numbers[:, :times]
+    if np.abs(of_time).max(initial=0.0) > EXACT_TIME:
+        texts = [cell for k in range(0, len(cells), n) for cell in cells[k : k + times]]
+        of_time = parse_exactly(texts, comma).reshape(-1, times)
+    return of_time, numbers[:, times:]
+
+
+def parse_exactly(cells: Sequence[str], comma: bool) -> Floats:
+    """Return numbers as exact as the machine has them, of 64 bits or more where it can.
+
+    Seconds since the epoch have nine digits behind the point; float64 has six of them.
+    """
+    plain = [cell.strip().replace(',', '.') if comma else cell.strip() for cell in cells]
+    return np.array(plain, dtype=np.longdouble)  # type: ignore[return-value, unused-ignore]
 
 
 def parse_cells(cells: list[str], comma: bool) -> Floats | None:

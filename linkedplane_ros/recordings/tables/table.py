@@ -80,7 +80,7 @@ class Table:
         Yields
         ------
         times
-            (k,) s.
+            (k,) s; of more digits than float64 has, where seconds since the epoch need them.
         values
             (k, n), in the file's order and units; NaN for a gap: nan and its spellings, and an
             empty cell of a CSV.
@@ -104,6 +104,8 @@ class Table:
                 raise RecordingError(f'{header.line}: no rows of numbers after the names')
             comma = header.delimiter != ',' and has_decimal_commas(first, places)
             m = len(self.time.names)
-            while len(numbers := parse_rows(header.names, m, places, islice(left, rows), comma)):
-                times = self.time.to_seconds(header.line, numbers[:, :m])
-                yield times, numbers[:, m:], share()
+            while True:
+                times, values = parse_rows(header.names, m, places, islice(left, rows), comma)
+                if not len(times):
+                    return
+                yield self.time.to_seconds(header.line, times), values, share()
