@@ -54,6 +54,11 @@ class Refusals:
         self.noted[what] += count
         self.first_noted.setdefault(what, line)
 
+    def forget(self, what: str) -> None:
+        """Leave out what was noted and has turned out not to be so."""
+        self.noted.pop(what, None)
+        self.first_noted.pop(what, None)
+
     def warn(self) -> tuple[str, ...]:
         """Return a line for each kind of what was noted, with its count."""
         return tuple(

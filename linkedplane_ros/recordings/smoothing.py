@@ -14,7 +14,7 @@ from ..types import Bools, Floats, Stamps
 from .bag_motion import BagMotion, Batch
 from .filters import PADDING, differentiate, filter_lowpass, resample
 from .motion import ROWS, Chunk, Motion, seconds_to_nanoseconds
-from .stretches import choose_timely, format_seconds, split_stretches
+from .stretches import FALLS, choose_timely, format_seconds, split_stretches
 
 LATE = 0.5  # usual steps: a frame so far behind another is late; further, time has fallen back
 GAP = 10.0  # usual steps: a longer one is not bridged
@@ -56,6 +56,8 @@ class SmoothedMotion:
         stamps, recorded, angles = (np.concatenate(each) for each in zip(*parts, strict=True))
         kept = self._find_usable(stamps)
         stamps, recorded, angles = stamps[kept], recorded[kept], angles[kept]
+        if not (np.diff(stamps) < 0).any():
+            self.refused.forget(FALLS)  # frames were late: nothing is split
         times = 1e-9 * (stamps - stamps[0])
         late = 1e-9 * (recorded - stamps)  # recorded, after its stamp
         stretches = [

@@ -18,6 +18,7 @@ from .filters import differentiate
 from .motion import Refusals
 
 Times = Floats | Stamps
+FALLS = 'falls'  # what is noted
 
 
 def split_stretches(times: Times) -> Iterator[slice]:
@@ -94,7 +95,7 @@ class TimeWatch:
         for k in (1 + np.flatnonzero(np.diff(joined) < 0)).tolist():
             before, after = map(format_seconds, joined[k - 1 : k + 1].tolist())
             where = f'at {self._place} {numbers[k - known]}: no difference or filter goes across'
-            self._refused.note('falls', f'time falls back from {before} s to {after} s {where}')
+            self._refused.note(FALLS, f'time falls back from {before} s to {after} s {where}')
 
 
 def format_seconds(nanoseconds: int) -> str:

@@ -132,6 +132,19 @@ def test_a_short_stretch_after_a_fall_is_counted(tmp_path: Path) -> None:
     assert (report.frames, dict(report.refused)) == (60, {'too_short': 5})
 
 
+def test_a_late_frame_is_no_fall_of_the_time(tmp_path: Path) -> None:
+    times = [0.0, 0.01, 0.02, 0.03, 0.027, 0.04, 0.05, 0.06]
+    turn = np.array([0.1, 0.12, 0.15, 0.19, 0.5, 0.24, 0.3, 0.37])
+    source = write_table(tmp_path / 'in.csv', times, turn)
+    report, columns = process(source, tmp_path / 'out.csv', differentiate=True)
+    assert dict(report.refused) == {'earlier': 1}
+    assert not any('falls back' in note for note in report.notes)
+    on_time = [0, 1, 2, 3, 5, 6, 7]
+    speeds = np.gradient(turn[on_time], np.array(times)[on_time])  # of the others: they go across
+    arm = columns['moment_arms/middle_1/flexion']
+    np.testing.assert_allclose(columns['lengthening/middle_1'], -arm * speeds, rtol=0, atol=1e-9)
+
+
 def test_a_player_that_starts_again_keeps_the_recorded_times(tmp_path: Path) -> None:
     rounds = [joint_state(k % 20) for k in range(40)]
     sent = [(topic, kind, T0 + k * 10**7, data) for k, (topic, kind, _, data) in enumerate(rounds)]
