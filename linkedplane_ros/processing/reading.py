@@ -18,6 +18,9 @@ from ..errors import RecordingError
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, OtherJoints
 from ..libraries import advise_install
+from ..recordings.bags.bag import Bag
+from ..recordings.bags.connections import Connection
+from ..recordings.bags.messages import DamagedMessage
 from ..recordings.bags.opening import open_bag
 from ..recordings.frame_readers import JointFrameReader
 from ..recordings.motion import Frame, Place
@@ -161,20 +164,28 @@ def read_answers(
         for connection, time, data, *_ in bag.messages():
             topic = connection.topic
             if frame_reader.accepts(topic, connection.kind):
-                message = bag.read_message(connection, data)
+                message = read_bag_message(bag, connection, data)
                 with suppress(OtherJoints):
                     made = list(frame_reader.read_frames(message, topic, Place(0, time)))
                     frames = [each for each in made if isinstance(each, Frame)] or frames
             elif topic == f'/{muscle}/band_states':  # their stamps are those of the frames
                 answers['band_states'].append(read_header_stamp(topic, connection.kind, data))
             elif topic in wanted:
-                message = bag.read_message(connection, data)
+                message = read_bag_message(bag, connection, data)
                 answers[wanted[topic]].append(message.data)
                 names = dict(read_label(dim.label) for dim in message.layout.dim) | names
                 if wanted[topic] == 'band_lengths':  # the first answer to a frame
                     answered += frames
         bag.require_whole()
     return answered, answers, names
+
+
+def read_bag_message(bag: Bag, connection: Connection, data: bytes) -> Any:
+    """Return a message from its bytes; RecordingError, with its bag and topic, if damaged."""
+    try:
+        return bag.read_message(connection, data)
+    except DamagedMessage as error:
+        raise RecordingError(f'{bag.path}: a message on {connection.topic} is {error}') from None
 
 
 def assemble(

@@ -15,6 +15,7 @@ from ..joints.conventions import JointConvention
 from ..joints.joint_state import FULL_CIRCLE, JointMap, JointMemory, OtherJoints
 from .bags.bag import Bag
 from .bags.connections import Connection, RecordedMessage
+from .bags.messages import DamagedMessage
 from .bags.opening import open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
 from .frame_readers import FrameReader, JointFrameReader
@@ -253,10 +254,9 @@ class BagMotion:
         """Return the frames of a message; count what cannot be used."""
         try:
             message = bag.read_message(connection, data)
-        except Exception as error:
-            raise RecordingError(
-                f'{self.path}: message {place.number} is damaged: {error}'
-            ) from None
+        except DamagedMessage as error:
+            self.refused.add('damaged', f'{self._describe_place(place)}: {error}')
+            return []
         try:
             return self._keep_usable(
                 self.frame_reader.read_frames(message, connection.topic, place)

@@ -25,13 +25,14 @@ from bag_fuzz import (
     write_sqlite,
     written_frames,
 )
-from bags import exit_status
+from bags import STORE, Sent, exit_status, joint_state, refusal_line, write_bag
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader
 from mcap.stream_reader import StreamReader
 from zstandard import ZstdError
 
 from linkedplane_ros.errors import RecordingError
+from linkedplane_ros.processing.reading import read_processed
 from linkedplane_ros.recordings.bags.opening import open_bag
 
 
@@ -196,3 +197,76 @@ def test_no_damaged_bag_is_read_differently_without_a_word(tmp_path: Path) -> No
     verdicts, faults = fuzz(40, 17, tmp_path)  # 1,000 of them in `make soak`
     assert faults == []
     assert verdicts.total() == 40
+
+
+def cut_message(sent: Sent, size: int) -> Sent:
+    """Return a message of which only the first bytes are left."""
+    return *sent[:3], sent[3][:size]
+
+
+@pytest.mark.parametrize('size', [0, 2, 4, 6, 12, 30])
+def test_a_message_that_is_cut_is_a_refused_frame(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], size: int
+) -> None:
+    sent = [joint_state(k) for k in range(10)]
+    sent[5] = cut_message(sent[5], size)
+    bag = write_bag(tmp_path / 'bag', sent)
+    assert exit_status([str(bag), str(tmp_path / 'o.csv')]) == 0
+    assert len(read_table(tmp_path / 'o.csv')) == 9
+    line = (
+        f'1 refused as damaged, first at message 6, 0.05 s: damaged: its {size} bytes are no '
+        'whole sensor_msgs/msg/JointState\n'
+    )
+    assert line in capsys.readouterr().out
+    assert exit_status([str(bag), str(tmp_path / 'out')]) == 0  # with the message as it is
+    with closing(open_bag(tmp_path / 'out')) as written:
+        assert cut_message(sent[5], size)[3] in [message.data for message in written.messages()]
+    line = refusal_line_of_plot(tmp_path / 'out')
+    assert line == (
+        f'{tmp_path / "out"}: a message on /joint_states is damaged: its {size} bytes are no '
+        'whole sensor_msgs/msg/JointState'
+    )
+
+
+def refusal_line_of_plot(path: Path) -> str:
+    """Return why a processed recording is not drawn."""
+    with pytest.raises(RecordingError) as caught:
+        read_processed(path)
+    return str(caught.value)
+
+
+def test_a_bag_of_which_most_messages_are_cut_ends_with_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent = [cut_message(joint_state(k), 30 if k < 6 else 10**6) for k in range(10)]
+    assert exit_status([str(write_bag(tmp_path / 'bag', sent)), str(tmp_path / 'o.csv')]) == 1
+    assert 'most frames were refused' in capsys.readouterr().err
+    sent = [cut_message(joint_state(k), 30) for k in range(10)]
+    line = refusal_line(capsys, str(write_bag(tmp_path / 'none', sent)), str(tmp_path / 'p.csv'))
+    assert 'nothing was usable: message 1, 0.00 s: damaged: its 30 bytes' in line
+
+
+def pose(k: int, topic: str) -> Sent:
+    """Return the k-th pose of a bone that does not move."""
+    types, kind = STORE.types, 'geometry_msgs/msg/PoseStamped'
+    message = types[kind](
+        types['std_msgs/msg/Header'](types['builtin_interfaces/msg/Time'](9, k * 10**7), 'lab'),
+        types['geometry_msgs/msg/Pose'](
+            types['geometry_msgs/msg/Point'](0.0, 0.0, 0.0),
+            types['geometry_msgs/msg/Quaternion'](0.0, 0.6, 0.0, 0.8),
+        ),
+    )
+    return topic, kind, 9 * 10**9 + k * 10**7, bytes(STORE.serialize_cdr(message, kind))
+
+
+@pytest.mark.parametrize('size', [0, 6, 12, 30])
+def test_a_pose_that_is_cut_is_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], size: int
+) -> None:
+    sent = [each for k in range(6) for each in (pose(k, '/scap'), pose(k, '/hum'))]
+    sent[4] = cut_message(sent[4], size)
+    bag = write_bag(tmp_path / 'bag', sent)
+    command = ['--humerus', '/hum', '--scapula', '/scap']
+    assert exit_status([str(bag), str(tmp_path / 'o.csv'), *command]) == 0
+    assert len(read_table(tmp_path / 'o.csv')) == 5
+    assert '1 refused as damaged, first at message 5, 0.02 s: ' in capsys.readouterr().out

@@ -202,7 +202,7 @@ class Bag:
             raise RecordingError(f'{self.path}: damaged: {error}') from None
 
     def read_message(self, connection: Connection, data: bytes) -> Any:
-        """Return a message from its bytes; any error of a library if they are damaged."""
+        """Return a message from its bytes; DamagedMessage if they are not one of its type."""
         return self._reader.read_message(connection, data)
 
     @property

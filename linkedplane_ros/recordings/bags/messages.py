@@ -6,7 +6,12 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
+from ...errors import RecordingError
 from .connections import Connection, TypeDefinition
+
+
+class DamagedMessage(RecordingError):
+    """A message whose bytes are not one of its type."""
 
 
 class MessageReader:
@@ -28,6 +33,11 @@ class MessageReader:
 
         Messages that rclpy serialised may end in up to 12 surplus bytes, which rosbags refuses;
         then they are cut off.
+
+        Raises
+        ------
+        DamagedMessage
+            If they are not those of a message of its type.
         """
         kind = connection.msgtype
         store = self._stores.get((kind, connection.definition))
@@ -36,11 +46,11 @@ class MessageReader:
             self._stores[kind, connection.definition] = store
         try:
             return store.deserialize_cdr(data, kind)
-        except Exception as error:
+        except Exception:
             for surplus in (4, 8, 12):
                 with suppress(Exception):
                     return store.deserialize_cdr(data[:-surplus], kind)
-            raise error
+        raise DamagedMessage(f'damaged: its {len(data):,} bytes are no whole {kind}')
 
     def _choose_store(self, kind: str, definition: TypeDefinition) -> Any:
         """Return the definitions by which a type is read: the bag's if it has more, else ROS's."""

@@ -12,6 +12,7 @@ from ...errors import RecordingError
 from ..formats import METADATA
 from .bag import Bag
 from .connections import ros2_type_name
+from .messages import DamagedMessage
 from .metadata import read_metadata
 from .opening import open_bag
 
@@ -54,7 +55,7 @@ def read_joint_names(bag: Bag) -> dict[str, list[str]]:
     for message in bag.messages(chosen):
         looked_at[message.topic] += 1
         if looked_at[message.topic] <= LOOKED_AT:
-            with suppress(Exception):  # a damaged one is reported where it is read
+            with suppress(DamagedMessage):  # counted where it is read
                 state = bag.read_message(message.connection, message.data)
                 names[message.topic] |= dict.fromkeys(state.name)
         elif all(looked_at[each] > LOOKED_AT for each in names):
