@@ -197,6 +197,32 @@ def test_a_file_that_metadata_does_not_list_is_counted(
     ) in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(('storage', 'ending'), [(MCAP, '.mcap'), (SQLITE3, '.db3')])
+@pytest.mark.parametrize(('counted', 'missing'), [(20, 0), (23, 3), (15, 0)])
+def test_a_message_in_a_file_that_is_not_listed_is_not_missing(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    storage: Any,
+    ending: str,
+    counted: int,
+    missing: int,
+) -> None:
+    bag = split(tmp_path, storage, ending)
+
+    def forget(content: dict[str, Any]) -> None:
+        content['relative_file_paths'].pop()
+        content['topics_with_message_count'][0]['message_count'] = counted
+
+    change_metadata(bag, forget)
+    status = exit_status([str(bag), str(tmp_path / 'out.csv')])
+    assert status == int(10 + missing > 10)  # refused, of 10 that were read
+    said = capsys.readouterr().out
+    assert '  10 refused as unlisted, first at part_1' in said
+    lines = [line.split(', first at ')[1] for line in said.splitlines() if 'missing' in line]
+    counts = f'/joint_states: metadata.yaml counts {counted}, 20 are there'
+    assert lines == [counts] * bool(missing)
+
+
 def set_version(version: int, path: str) -> Callable[[dict[str, Any]], None]:
     """Return what makes a metadata.yaml an older one, with a path in its style."""
 

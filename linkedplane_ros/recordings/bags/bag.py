@@ -244,15 +244,21 @@ class Bag:
         for each in self.connections:
             counted[each.topic] += each.msgcount
         listed = self._listed()
+        unlisted = list(self._unlisted(self._metadata.files)) if self._metadata else []
+        beside: Counter[str] = Counter()  # messages that are there, in files that are not listed
+        for loss in unlisted:
+            beside[loss.topic] += loss.number
         for topic in dict.fromkeys((*counted, *listed)):
-            read, of_files, of_metadata = self._read[topic], counted[topic], listed[topic]
+            read, of_files = self._read[topic], counted[topic]
+            of_metadata = listed[topic] - beside[topic]
             counter = METADATA if of_metadata > of_files else 'its summary'
-            count = max(of_files, of_metadata)
-            if count > read:
-                where = f'{topic}: {counter} counts {count:,}, {read:,} are there'
-                yield Loss(topic, 'missing', count - read, where)
-        if self._metadata is not None:
-            yield from self._unlisted(self._metadata.files)
+            lost = max(of_files, of_metadata) - read
+            if lost > 0:
+                count = listed[topic] if of_metadata > of_files else of_files
+                there = count - lost
+                where = f'{topic}: {counter} counts {count:,}, {there:,} are there'
+                yield Loss(topic, 'missing', lost, where)
+        yield from unlisted
         for file in self._files:
             for where, count in file.strays.items():
                 yield Loss('', 'no_topic', count, where)
