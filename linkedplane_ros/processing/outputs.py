@@ -251,13 +251,14 @@ def choose_format(path: Path, chosen: str | None) -> str:
 
     RecordingError for an ending of another format; a bag's name may have dots, as in `run.01`.
     """
-    ending = path.suffix.lower()
+    ending = '.' if path.name.endswith('.') else path.suffix.lower()
     kind = chosen or TABLE_ENDINGS.get(ending, 'bag')
     if kind == 'bag' and ending in ('.mcap', '.db3'):
         raise RecordingError(f'{path}: a bag is a folder; name it without {path.suffix}')
-    if kind == 'bag' and not chosen and ending[1:2].isalpha() and not path.is_dir():
+    odd = ending[1:2].isalpha() or ending == '.'
+    if kind == 'bag' and not chosen and odd and not path.is_dir():
         raise RecordingError(
-            f'{path}: no {path.suffix} is written; {", ".join(TABLE_ENDINGS)} or a bag, whose name '
+            f'{path}: no {path.suffix or ending} is written; {", ".join(TABLE_ENDINGS)} or a bag, whose name '
             'has no ending (--format bag: it is the name of a bag)'
         )
     return kind

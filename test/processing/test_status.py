@@ -35,6 +35,14 @@ def test_an_ending_that_is_not_written_is_refused_with_those_that_are(
     assert not out.exists()
 
 
+def test_a_dot_at_the_end_of_a_name_is_no_bag(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = write_rows(tmp_path / 'in.csv', (3, '0.5,0.4,0.1'))
+    line = refusal_line(capsys, str(source), str(tmp_path / 'q.csv.'))
+    assert 'q.csv.: no . is written; .csv, .parquet or a bag' in line
+
+
 @pytest.mark.parametrize('name', ['run_2024.05.01', 'a.1', 'trial.05_left', 'plain'])
 def test_a_bags_name_may_have_dots(tmp_path: Path, name: str) -> None:
     source = write_rows(tmp_path / 'in.csv', (3, '0.5,0.4,0.1'))
