@@ -258,7 +258,7 @@ def choose_format(path: Path, chosen: str | None) -> str:
     odd = ending[1:2].isalpha() or ending == '.'
     if kind == 'bag' and not chosen and odd and not path.is_dir():
         raise RecordingError(
-            f'{path}: no {path.suffix or ending} is written; {", ".join(TABLE_ENDINGS)} or a bag, whose name '
-            'has no ending (--format bag: it is the name of a bag)'
+            f'{path}: no {path.suffix or ending} is written; {", ".join(TABLE_ENDINGS)} or a bag, '
+            'whose name has no ending (--format bag: it is the name of a bag)'
         )
     return kind
