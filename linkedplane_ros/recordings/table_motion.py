@@ -11,11 +11,12 @@ import numpy as np
 from ..errors import RecordingError
 from ..joints.joint_state import FULL_CIRCLE, JointMap
 from ..types import Bools, Floats, Stamps
+from .head_units import head_words
 from .motion import ROWS, Chunk, Refusals, seconds_to_nanoseconds
 from .stretches import TimeWatch, differentiate_stretches
 from .tables.columns import find_joint_columns
 from .tables.table import Table
-from .units import AngleRange, check_head, decide_unit, head_words, name_words
+from .units import AngleRange, decide_unit, name_words
 
 
 class TableMotion:
@@ -53,10 +54,9 @@ class TableMotion:
         except RecordingError as error:
             raise RecordingError(f'{path}: {error}') from None
         above = head_words(path, self.table.head)
-        names = name_words(path, self.columns, alone=degrees is None and not above)
-        self.unit = decide_unit(path, degrees, (*names, *above))
-        if not self.unit.said:
-            check_head(path, self.table.head)
+        certain = [word for word in above if word.certain]
+        names = name_words(path, self.columns, alone=degrees is None and not certain)
+        self.unit = decide_unit(path, degrees, (*names, *(certain if names else above)))
         self.met = AngleRange(joints.names)
         self.facts: Mapping[str, str] = {
             'columns': ', '.join(self.columns),

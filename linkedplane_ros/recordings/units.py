@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -27,29 +27,21 @@ LONGEST = 300  # characters that are searched for a unit: names and lines are sh
 
 # what stands around a unit in a name: flexion_deg, flexion (deg), flexion/deg; flexion_deg_, as
 # MATLAB, and flexion..deg., as R spells the second
-_DEGREES, _RADIANS = 'deg|degs|degree|degrees', 'rad|rads|radian|radians'
+DEGREES, RADIANS = 'deg|degs|degree|degrees', 'rad|rads|radian|radians'
 _MARK = re.compile(  # the degree sign, also misspelt by a keyboard or by a wrong encoding
     r'(?P<joint>.*?\w)[\W_]*(?:Â)?[°º˚][\W_]*'
 )
 _UNIT = re.compile(
-    rf'(?P<joint>.*?\w)[\W_]+(?:in[\W_]+)?(?:(?P<degrees>{_DEGREES})|{_RADIANS})[\W_]*', re.I
+    rf'(?P<joint>.*?\w)[\W_]+(?:in[\W_]+)?(?:(?P<degrees>{DEGREES})|{RADIANS})[\W_]*', re.I
 )
 _CAMEL = re.compile(r'(?P<joint>.*[a-z0-9])(?:(?P<degrees>Deg|Degs|Degrees)|Rad|Rads|Radians)')
 _WITHIN = re.compile(  # deg_flexion, flexion_deg_filtered
-    rf'(?:^|[\W_])(?:(?P<degrees>{_DEGREES})|{_RADIANS})(?:[\W_]|$)', re.I
+    rf'(?:^|[\W_])(?:(?P<degrees>{DEGREES})|{RADIANS})(?:[\W_]|$)', re.I
 )
 _OTHER = re.compile(  # units that are neither, and those of speeds
     r'.*?\w[\W_]+(?P<unit>mrad|millirad\w*|grad|grads|gon|gons|turns?|revs?|arcmin|arcsec'
-    rf'|(?:{_DEGREES}|{_RADIANS}|[°º˚])(?:[\W_]*(?:/|per|p)[\W_]*|[\W_]+)s(?:ec|econds?)?[\W_\d]*'
+    rf'|(?:{DEGREES}|{RADIANS}|[°º˚])(?:[\W_]*(?:/|per|p)[\W_]*|[\W_]+)s(?:ec|econds?)?[\W_\d]*'
     r'|dps|rpm)[\W_]*',
-    re.I,
-)
-
-LEFTOVERS = ' \t\r\n\v\f,;"\''  # of a spreadsheet, around what a line says
-_KEY = re.compile(r'(?P<key>[^\s=,;]+)(?P<between>[\s=,;]*)(?P<rest>.*)')
-_SENTENCE = re.compile(
-    rf'.*\bangles?\b.*\bin (?:(?P<degrees>{_DEGREES})|{_RADIANS})\b.*'
-    rf'|(?:angles?|(?:angular |angle )?units?)[\s=:]+(?:(?P<unit>{_DEGREES})|{_RADIANS})',
     re.I,
 )
 
@@ -60,6 +52,8 @@ class UnitWord(NamedTuple):
     degrees: bool
     source: str
     """Where it says so, as in 'the names of the columns'."""
+    certain: bool = True
+    """Whether it is the unit of the angles; False: a remark that may be on something else."""
 
 
 @dataclass(frozen=True)
@@ -105,23 +99,28 @@ def decide_unit(
     Raises
     ------
     RecordingError
-        If the recording says both, and the user nothing; or if they contradict each other.
+        If the recording says both, or only remarks on degrees, and the user says nothing; or if
+        they contradict each other.
     """
-    said = {word.degrees: word.source for word in reversed(words)}
-    if len(said) == 2 and degrees is None:
-        raise RecordingError(
-            f'{path}: degrees by {said[True]}, but radians by {said[False]}; {SETTLE}'
-        )
+    said = {word.degrees: word.source for word in reversed(words) if word.certain}
+    remarks = {word.degrees: word.source for word in reversed(words) if not word.certain}
+    spoken = {**remarks, **said}
     if degrees is not None:
-        if list(said) == [not degrees]:
+        if said and list(spoken) == [not degrees]:
             raise RecordingError(
                 f'{path}: {FLAGS[degrees]}, but {"rad" if degrees else "deg"} by '
                 f'{said[not degrees]}; leave {FLAGS[degrees]} out, or correct the file'
             )
         return AngleUnit(degrees, FLAGS[degrees])
+    if said and len(spoken) == 2:
+        raise RecordingError(
+            f'{path}: degrees by {spoken[True]}, but radians by {spoken[False]}; {SETTLE}'
+        )
     if said:
         [(unit, source)] = said.items()
         return AngleUnit(unit, source)
+    if True in remarks:
+        raise RecordingError(f'{path}: {remarks[True]}: are the angles in degrees? {SETTLE}')
     return AngleUnit(False, assumed, said=False)
 
 
@@ -173,65 +172,6 @@ def name_words(path: Path, columns: Sequence[str], alone: bool) -> tuple[UnitWor
             'one unit for all three expected'
         )
     return tuple(UnitWord(unit, 'the names of the columns') for unit, _ in named)
-
-
-def head_words(path: Path, head: Iterable[str]) -> tuple[UnitWord, ...]:
-    """Return what the lines above the names of the columns say.
-
-    The rules are those of OpenSim's Storage.cpp: `inDegrees` is `yes` or `y` in any case; a .mot
-    without `version` is a motion of SIMM, in degrees; and its sentence `Angles are in degrees.`
-    counts where `inDegrees` is absent, or `version` is. Beyond these, a spreadsheet's leftovers
-    are no part of a value; and what Storage.cpp takes for no (`inDegrees=true`) is refused.
-
-    Parameters
-    ----------
-    path
-        The table.
-    head
-        All its lines before the names, in their order.
-
-    Raises
-    ------
-    RecordingError
-        If inDegrees is neither yes nor no.
-    """
-    flags: list[UnitWord] = []
-    sentences: list[UnitWord] = []
-    version = 0
-    opensim = path.suffix.lower() in ('.mot', '.sto')
-    for line, text in enumerate(head, 1):
-        bare = text.strip(LEFTOVERS)
-        match = _SENTENCE.fullmatch(bare.lstrip('# ')) if len(bare) <= LONGEST else None
-        if match and not (re.search(r'\bdeg', bare, re.I) and re.search(r'\brad', bare, re.I)):
-            in_degrees = (match['degrees'] or match['unit']) is not None
-            sentences.append(UnitWord(in_degrees, f'{bare[:60]!r} in the file'))
-        if not opensim or not (match := _KEY.fullmatch(bare)):
-            continue
-        rest = match['rest'].strip(LEFTOVERS).lower()
-        if match['key'] == 'version':
-            number = re.match(r'[+-]?\d+', rest)  # as atoi does
-            version = int(number[0]) if number else 0
-        elif match['key'].lower() == 'indegrees':
-            if rest in ('yes', 'y', 'no', 'n'):
-                flags.append(UnitWord(rest[0] == 'y', 'inDegrees in the file'))
-            elif '=' in match['between']:
-                raise RecordingError(
-                    f'{path}:{line}: inDegrees is {rest[:60]!r}; yes or no expected'
-                )
-    if version < 1 and '.mot' in path.name.lower():  # as Storage.cpp looks for it
-        flags.append(UnitWord(True, 'its head without version=, as in SIMM'))
-    if flags and version >= 1:
-        return tuple(flags)
-    return (*flags, *sentences)
-
-
-def check_head(path: Path, head: Sequence[str]) -> None:
-    """Raise a RecordingError if lines above the names speak of degrees alone, whatever they say."""
-    spoken = [(k, line, split_unit(line.strip())[1]) for k, line in enumerate(head, 1)]
-    for k, line, degrees in spoken:
-        if degrees and not any(other is False for _, _, other in spoken):
-            text = line.strip()[:60]
-            raise RecordingError(f'{path}:{k}: {text!r}: are the angles in degrees? {SETTLE}')
 
 
 class AngleRange:

@@ -234,7 +234,7 @@ def test_a_comment_that_speaks_of_degrees_is_not_passed_over(
     source = write_csv(tmp_path / 'in.csv', NAMES)
     source.write_text(f'{comment}\n{source.read_text()}', encoding='utf-8')
     line = refusal_line(capsys, str(source), str(tmp_path / 'o.csv'))
-    assert f'in.csv:1: {comment!r}: are the angles in degrees? --degrees or --radians' in line
+    assert f'in.csv: {comment!r} in line 1: are the angles in degrees? --degrees or' in line
     assert exit_status([str(source), str(tmp_path / 'o.csv'), '--degrees']) == 0
     np.testing.assert_allclose(first_angles(tmp_path / 'o.csv'), FIRST, rtol=0.0, atol=CLOSE)
 

@@ -2,7 +2,8 @@
 """The unit of a .mot and a .sto, as OpenSim reads it, or refused.
 
 What OpenSim reads stands here as OpenSim 4.6 gave it, by `Storage(path).isInDegrees()`; where its
-`TimeSeriesTable` has another word in the head, the file is refused.
+`TimeSeriesTable` or the head itself has another word, the file is refused; so is a .sto without
+`version` and `inDegrees`, which Storage takes for radians, and its kin in a .mot for degrees.
 """
 
 from __future__ import annotations
@@ -22,8 +23,12 @@ SIZE = 'nRows=3\nnColumns=4\n'
 DEG, RAD, REFUSED = 'deg', 'rad', 'refused'
 V1 = f'swing\nversion=1\n{SIZE}'
 V0 = f'swing\n{SIZE}'
+BOTH = (  # as OpenSim writes it
+    "If the header above contains a line with 'inDegrees', this indicates whether rotational "
+    'values are in degrees (yes) or radians (no).\n'
+)
 HEADS = {  # head: as OpenSim reads a .mot and a .sto, where it is not refused
-    V0: (DEG, RAD),
+    V0: (DEG, REFUSED),
     V1: (RAD, RAD),
     V1 + 'inDegrees=yes\n': (DEG, DEG),
     V1 + 'inDegrees=no\n': (RAD, RAD),
@@ -36,9 +41,9 @@ HEADS = {  # head: as OpenSim reads a .mot and a .sto, where it is not refused
     V1 + 'inDegrees=yes\t\t\t\n': (DEG, DEG),
     'inDegrees=yes\nversion=1\n' + SIZE: (DEG, DEG),
     V0 + 'inDegrees=yes\n': (DEG, DEG),
-    V0.replace('nRows', 'version=0\nnRows'): (DEG, RAD),
-    V0.replace('nRows', 'version=one\nnRows'): (DEG, RAD),
-    V0.replace('nRows', 'Version=1\nnRows'): (DEG, RAD),
+    V0.replace('nRows', 'version=0\nnRows'): (DEG, REFUSED),
+    V0.replace('nRows', 'version=one\nnRows'): (DEG, REFUSED),
+    V0.replace('nRows', 'Version=1\nnRows'): (DEG, REFUSED),
     V0.replace('nRows', 'version = 1\nnRows'): (RAD, RAD),
     V0.replace('nRows', 'version=1.0\nnRows'): (RAD, RAD),
     V0.replace('nRows', 'version=2\nnRows') + 'inDegrees=yes\n': (DEG, DEG),
@@ -46,13 +51,30 @@ HEADS = {  # head: as OpenSim reads a .mot and a .sto, where it is not refused
     'swing\nDataType=double\nversion=3\n': (RAD, RAD),
     V0 + 'Angles are in degrees.\n': (DEG, DEG),
     V0 + 'Angles are in degrees.\nversion=1\n': (DEG, DEG),
-    # files in OpenSim's own repository have both: version and inDegrees count
-    V1 + 'inDegrees=no\nAngles are in degrees.\n': (RAD, RAD),
+    V1 + 'inDegrees=yes\nAngles are in degrees.\n': (DEG, DEG),
+    V1 + 'inDegrees=no\nAngles are in radians.\n': (RAD, RAD),
+    V1 + BOTH: (RAD, RAD),
+    V1 + 'inDegrees=no\n' + BOTH: (RAD, RAD),
+    V1 + 'inDegrees=yes\n' + BOTH: (DEG, DEG),
+    V1 + 'inDegrees=no\nmodel with 18 degrees of freedom\n': (RAD, RAD),
+    V1 + 'an upgrade of the gradient, at 23 °C\n': (RAD, RAD),
     # a spreadsheet's leftovers, which OpenSim takes for no: the file says yes
     V1 + 'inDegrees=yes,,,,\n': (DEG, DEG),
     V1 + '"inDegrees=yes"\n': (DEG, DEG),
     V1 + 'inDegrees=yes;;\n': (DEG, DEG),
     V1 + 'inDegrees=no,,,\n': (RAD, RAD),
+    # Storage goes by inDegrees, the words say the other: refused
+    V1 + 'inDegrees=no\nAngles are in degrees.\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=yes\nAngles are in radians.\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=yes\n#angles in rad\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=no\nnote: Winkel in Grad\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees=yes\nall in radians\n': (REFUSED, REFUSED),
+    # Storage passes these words over, and reads radians: refused
+    V1 + 'InDegree=yes\n': (REFUSED, REFUSED),
+    V1 + 'DataInDegrees=yes\n': (REFUSED, REFUSED),
+    V1 + 'inDegrees: yes\n': (REFUSED, REFUSED),
+    V1 + '# inDegrees=yes\n': (REFUSED, REFUSED),
+    V1 + 'note: Winkel in Grad\n': (REFUSED, REFUSED),
     # OpenSim's two readers differ, or a reader and the words: refused
     V0 + 'inDegrees=no\n': (REFUSED, RAD),
     V0 + 'Angles are in radians.\n': (REFUSED, RAD),
@@ -107,6 +129,43 @@ def test_a_flag_settles_what_the_file_does_not_and_contradicts_nothing(
         return
     assert exit_status([str(source), str(out), flag]) == 0
     assert read_csv(out)[0]['read_in'] == unit
+
+
+@pytest.mark.parametrize(
+    ('head', 'one', 'other'),
+    [
+        ('inDegrees=no\nAngles are in degrees.\n', "'Angles are in degrees.'", 'inDegrees in'),
+        ('inDegrees=yes\nAngles are in radians.\n', 'inDegrees in', "'Angles are in radians.'"),
+        ('inDegrees=yes\n#angles in rad\n', 'inDegrees in', "'#angles in rad'"),
+        ('inDegrees=no\nangoli in gradi\n', "'angoli in gradi' in line 6", 'inDegrees in'),
+    ],
+)
+def test_a_flag_settles_a_head_that_contradicts_itself(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], head: str, one: str, other: str
+) -> None:
+    source, out = tmp_path / 'in.sto', tmp_path / 'o.csv'
+    source.write_text(f'{V1}{head}endheader\n{TABLE}')
+    line = refusal_line(capsys, str(source), str(out))
+    assert f'degrees by {one}' in line
+    assert f'but radians by {other}' in line
+    assert '--degrees or --radians settles it' in line
+    for flag in ('degrees', 'radians'):
+        assert exit_status([str(source), str(out), f'--{flag}', '--force']) == 0
+        assert read_csv(out)[0]['read_in'] == f'{flag[:3]}: --{flag}'
+
+
+def test_a_sto_without_version_and_unit_is_refused_unless_a_flag_or_its_names_say_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, out = tmp_path / 'in.sto', tmp_path / 'o.csv'
+    source.write_text(f'{V0}endheader\n{TABLE}')
+    line = refusal_line(capsys, str(source), str(out))
+    assert 'without version= and inDegrees' in line
+    assert '--degrees or --radians settles it' in line
+    assert exit_status([str(source), str(out), '--degrees']) == 0
+    source.write_text(f'{V0}endheader\n{TABLE.replace("ion", "ion_rad")}')
+    assert exit_status([str(source), str(out), '--force']) == 0
+    assert read_csv(out)[0]['read_in'] == 'rad: the names of the columns'
 
 
 def test_names_against_the_head_are_refused_with_both(
