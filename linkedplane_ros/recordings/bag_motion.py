@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
@@ -21,8 +21,8 @@ from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read
 from .frame_readers import FrameReader, JointFrameReader
 from .motion import ROWS, Chunk, Frame, Place, Refusals, Refused
 from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
-from .stamps import find_unstamped, read_header_stamp
-from .stretches import TimeWatch
+from .stamps import find_offset, find_unstamped, read_header_stamp
+from .stretches import TimeWatch, format_seconds
 from .units import decide_unit, name_words
 
 BATCH_BYTES = 2**24  # of a bag's messages, held at a time
@@ -64,7 +64,8 @@ class BagMotion:
         self.unit, self.met = frame_reader.unit, frame_reader.met
         self.facts: Mapping[str, str] = {
             **frame_reader.facts,
-            'stamps': 'of the headers; where these are 0, not filled in, the recorded times',
+            'stamps': 'of the headers; where these are 0, not filled in, the recorded times, '
+            'on the clock of the headers',
         }
         self.keeps_records = self.wants_speeds = True
         with closing(open_bag(path)) as bag:
@@ -173,13 +174,13 @@ class BagMotion:
         watch = TimeWatch(self.refused, 'message')
         number = 0
         with closing(open_bag(self.path)) as bag:
-            for batch, unstamped in self._find_stamps(bag):
+            for batch, instead in self._find_stamps(bag):
                 frames: list[Frame] = []
                 follows: list[int] = []
                 for k, (connection, time, data, *_) in enumerate(batch.records):
                     if self.frame_reader.accepts(connection.topic, connection.kind):
                         number += 1
-                        place = Place(number, time, k in unstamped)
+                        place = Place(number, time, instead.get(k))
                         made = self._frames(bag, connection, data, place)
                         frames += made
                         follows += [k] * len(made)
@@ -202,9 +203,10 @@ class BagMotion:
             of = f'{self.others:,} message{"s" * (self.others > 1)} of other joints'
             self.refused.notes.append(f'{of} passed over, first at {self.first_other}')
 
-    def _find_stamps(self, bag: Bag) -> Iterator[tuple[Batch, Collection[int]]]:
-        """Yield the batches, each with the indices of its messages without a stamp."""
+    def _find_stamps(self, bag: Bag) -> Iterator[tuple[Batch, Mapping[int, int]]]:
+        """Yield the batches, each with what counts for its messages without a stamp, by index."""
         batches = self._read_batches(bag)
+        offset: int | None = None
         ahead: list[tuple[Batch, list[int], list[int]]] = []
         while ahead or (batch := next(batches, None)):
             if not ahead:
@@ -216,15 +218,34 @@ class BagMotion:
                 ahead.append((after, *self._read_stamps(after)))
                 following = next(filter(None, ahead[0][2]), 0)
             unstamped = {places[k] for k in find_unstamped(stamps, following)}
-            if unstamped:
-                first = batch.records[min(unstamped)]
-                where = f'{1e-9 * (first[1] - self.start):.2f} s after the start'
-                self.refused.note(
-                    'unstamped',
-                    f'a header without a stamp (0), {where}: the recorded time counts',
-                    len(unstamped),
-                )
-            yield batch, unstamped
+            instead: dict[int, int] = {}
+            for k, stamp in zip(places, stamps, strict=True):
+                time = batch.records[k].time
+                if k not in unstamped:
+                    offset = find_offset(stamp, time)
+                    continue
+                if offset is None:
+                    offset = self._find_first_offset()
+                instead[k] = time + offset
+                self._note_unstamped(time, offset)
+            yield batch, instead
+
+    def _find_first_offset(self) -> int:
+        """Return what takes recorded times to the clock of the first stamp, ns; 0 without any."""
+        with closing(open_bag(self.path)) as bag:
+            accepts = self.frame_reader.accepts
+            chosen = [each for each in bag.connections if accepts(each.topic, each.kind)]
+            for connection, time, data, *_ in bag.messages(chosen):
+                if stamp := read_header_stamp(connection.topic, connection.kind, data):
+                    return find_offset(stamp, time)
+        return 0
+
+    def _note_unstamped(self, time: int, offset: int) -> None:
+        where = f'{1e-9 * (time - self.start):.2f} s after the start'
+        line = f'a header without a stamp (0), {where}: the recorded time counts'
+        if offset:
+            line += f', shifted by {format_seconds(offset)} s to the clock of the other stamps'
+        self.refused.note('shifted' if offset else 'unstamped', line)
 
     def _read_stamps(self, batch: Batch) -> tuple[list[int], list[int]]:
         """Return the indices and the stamps of the messages that make frames."""

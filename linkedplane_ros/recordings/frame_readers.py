@@ -86,7 +86,9 @@ class JointFrameReader:
         except Rejected as error:
             yield Refused(error.reason, str(error), place)
             return
-        stamp = place.time if place.unstamped else stamp_in_nanoseconds(message.header.stamp)
+        stamp = place.instead
+        if stamp is None:
+            stamp = stamp_in_nanoseconds(message.header.stamp)
         yield Frame(stamp, place, angles, speeds)
 
     def last_frames(self) -> Iterator[Frame | Refused]:

@@ -105,8 +105,8 @@ class Place(NamedTuple):
     """From 1."""
     time: int
     """When it was recorded, ns."""
-    unstamped: bool = False
-    """Whether it has no stamp of its own (0): that time counts instead."""
+    instead: int | None = None
+    """The stamp that counts, ns, where its own was not filled in (0)."""
 
 
 class Refused(NamedTuple):

@@ -122,8 +122,8 @@ class PoseFrameReader:
             return
         for each in message.transforms:
             stamp = stamp_in_nanoseconds(each.header.stamp)
-            if stamp == 0 and place.unstamped:
-                stamp = place.time
+            if stamp == 0 and place.instead is not None:
+                stamp = place.instead
             name = each.child_frame_id.lstrip('/')
             falls = stamp < self._stamps.get(name, stamp)
             if self._due is not None and (stamp > self._due[0] or falls):
@@ -164,7 +164,7 @@ class PoseFrameReader:
             for name, (pose, origin) in self._waiting.pop(stamp).items():
                 self._poses[name], self._origins[name] = pose, origin
             if self._has_both():
-                yield self._frame(place.time if place.unstamped else stamp, place)
+                yield self._frame(stamp if place.instead is None else place.instead, place)
         elif len(self._waiting) > MOST_WAITING:
             self._unpaired += len(self._waiting.pop(next(iter(self._waiting))))
 

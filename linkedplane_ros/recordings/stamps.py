@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from .poses import TF_TYPE
 
 SECOND = 10**9  # ns: a clock that begins at 0 has gone on by less than this at its next message
+OTHER_CLOCK = 5 * SECOND  # a stamp further from its recorded time is of another clock
 HEADER = 4  # bytes of CDR before the message
 
 
@@ -44,3 +45,9 @@ def find_unstamped(stamps: Sequence[int], following: int) -> list[int]:
         elif not 0 < following < SECOND:
             found.append(k)
     return found[::-1]
+
+
+def find_offset(stamp: int, time: int) -> int:
+    """Return what is added to recorded times for the clock of a stamp, ns: 0 if it is the same."""
+    offset = stamp - time
+    return offset if abs(offset) > OTHER_CLOCK else 0

@@ -8,6 +8,7 @@ slope of the length itself.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -186,6 +187,61 @@ def test_some_stamps_that_are_missing_take_the_recorded_times(
     np.testing.assert_allclose(columns['time'], 1e-9 * T0 + 0.01 * np.arange(12), atol=1e-6)
     assert find_unstamped([0, 5, 0, 0], 10**9 + 1) == [2, 3]
     assert find_unstamped([0, 5, 0, 0], 1) == []
+
+
+SIMULATED = 5 * 10**9  # ns: where a simulation's clock stands when the recorder is started
+
+
+def simulated(count: int, zeros: Sequence[int], begin: int = SIMULATED) -> list[Sent]:
+    """Return joint states with the stamps of a simulation, 0 for some of them."""
+    sent = []
+    for k in range(count):
+        topic, kind, _, data = with_stamp(joint_state(k), 0 if k in zeros else begin + k * 10**7)
+        sent.append((topic, kind, 1717 * 10**15 + k * 10**7, data))
+    return sent
+
+
+@pytest.mark.parametrize('rows', [1, 3, 5000])
+@pytest.mark.parametrize(
+    'zeros', [(4, 5), (0, 1, 2, 3), (11,), (0, 5, 6, 11)], ids=['middle', 'first', 'last', 'some']
+)
+@pytest.mark.parametrize('differentiate', [False, True])
+def test_missing_stamps_are_on_the_clock_of_the_others(
+    tmp_path: Path,
+    rows: int,
+    zeros: tuple[int, ...],
+    differentiate: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(bag_motion, 'ROWS', rows)
+    bag = write_bag(tmp_path / 'in', simulated(12, zeros))
+    report = run_task(Task(bag, tmp_path / 'o.csv', Options(differentiate=differentiate)))
+    assert (report.fault, report.frames, dict(report.refused)) == ('', 12, {})
+    lines = (tmp_path / 'o.csv').read_text().splitlines()[-12:]
+    assert [line.split(',')[0] for line in lines] == [f'5.{k:02d}0000000' for k in range(12)]
+    [line] = report.notes
+    assert line.startswith('warning: a header without a stamp (0), ')
+    said = ': the recorded time counts, shifted by -1716999995 s to the clock of the other stamps'
+    count = f' ({len(zeros)} in all)' if len(zeros) > 1 else ''
+    assert line.endswith(said + count)
+
+
+def test_missing_transforms_are_on_the_clock_of_the_others(tmp_path: Path) -> None:
+    stamps = [0 if k in (0, 7, 8) else SIMULATED + k * 10**7 for k in range(20)]
+    sent = [transforms(k, stamp) for k, stamp in enumerate(stamps)]
+    frames = {'humerus': 'hum', 'scapula': 'scap'}
+    report, columns = process(write_bag(tmp_path / 'in', sent), tmp_path / 'o.csv', **frames)
+    assert (report.frames, dict(report.refused)) == (20, {})
+    np.testing.assert_allclose(columns['time'], 5.0 + 0.01 * np.arange(20), atol=1e-9)
+    assert '(3 in all)' in report.notes[0]
+
+
+def test_a_clock_a_little_beside_the_recorded_one_shifts_nothing(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / 'in', simulated(12, (4, 5), 1717 * 10**15 - 10**9))
+    report = run_task(Task(bag, tmp_path / 'o.csv', Options()))
+    lines = (tmp_path / 'o.csv').read_text().splitlines()[-12:]
+    assert lines[4].split(',')[0] == '1717000000.040000000'
+    assert 'shifted' not in report.notes[0]
 
 
 def pose(k: int, topic: str, w: float = 1.0) -> Sent:
