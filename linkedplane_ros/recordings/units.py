@@ -140,38 +140,42 @@ def split_unit(name: str) -> tuple[str, bool | None]:
     return name, None
 
 
-def name_words(path: Path, columns: Sequence[str], alone: bool) -> tuple[UnitWord, ...]:
-    """Return what the names of the chosen columns say.
+def name_words(
+    path: Path, names: Sequence[str], alone: bool, kind: str = 'column'
+) -> tuple[UnitWord, ...]:
+    """Return what the names of the three columns or joints say.
 
     Parameters
     ----------
     path
-        The table.
-    columns
-        Its three columns of angles.
+        The recording.
+    names
+        Of its three columns of angles, or joints.
     alone
         Whether nobody else says a unit: then all names or none have one.
+    kind
+        'column' or 'joint': whose names they are.
 
     Raises
     ------
     RecordingError
         If the names have several units, or some have none, or one that is neither deg nor rad.
     """
-    for name in columns:
+    for name in names:
         if len(name) <= LONGEST and (match := _OTHER.fullmatch(name)):
             raise RecordingError(
-                f'{path}: column {name!r}: angles in deg or rad expected, not in {match["unit"]}'
+                f'{path}: {kind} {name!r}: angles in deg or rad expected, not in {match["unit"]}'
             )
-    units = {split_unit(name)[1]: name for name in reversed(columns)}
+    units = {split_unit(name)[1]: name for name in reversed(names)}
     texts = {True: 'in degrees', False: 'in radians', None: 'without a unit'}
     named = [(unit, units[unit]) for unit in (True, False) if unit in units]
     if len(named) == 2 or (named and alone and None in units):
         (one, name), (other, second), *_ = units.items()
         raise RecordingError(
-            f'{path}: column {name!r} is {texts[one]}, {second!r} {texts[other]}; '
+            f'{path}: {kind} {name!r} is {texts[one]}, {second!r} {texts[other]}; '
             'one unit for all three expected'
         )
-    return tuple(UnitWord(unit, 'the names of the columns') for unit, _ in named)
+    return tuple(UnitWord(unit, f'the names of the {kind}s') for unit, _ in named)
 
 
 class AngleRange:

@@ -169,6 +169,35 @@ def test_names_in_several_units_or_another_are_refused(
     assert reason in line
 
 
+@pytest.mark.parametrize(
+    ('names', 'options', 'reason'),
+    [
+        (('flexion_deg', 'abduction', 'rotation'), (), "joint 'abduction' is without a unit"),
+        (('flexion [grad]', 'abduction', 'rotation'), (), "joint 'flexion [grad]': angles in deg"),
+        (('a_deg', 'b_deg', 'c_deg'), ('--radians',), 'by the names of the joints; leave'),
+        (('a_deg', 'b_deg', 'c_deg'), (), 'deg: the names of the joints'),
+    ],
+)
+def test_the_names_of_a_bag_are_those_of_joints(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    names: tuple[str, ...],
+    options: tuple[str, ...],
+    reason: str,
+) -> None:
+    bag = write_bag(
+        tmp_path / 'in', [joint_state(k, names, position=[9.0, 2.0, -3.0]) for k in range(3)]
+    )
+    command = [str(bag), str(tmp_path / 'o.csv'), '--joints', *names, *options]
+    if reason.startswith('deg'):
+        assert exit_status(command) == 0
+        assert read_in(tmp_path / 'o.csv') == reason
+        return
+    line = refusal_line(capsys, *command)
+    assert reason in line
+    assert 'column' not in line
+
+
 def test_both_flags_are_a_wrong_command_line(tmp_path: Path) -> None:
     assert exit_status(['in.csv', str(tmp_path / 'o.csv'), '--degrees', '--radians']) == 2
 
