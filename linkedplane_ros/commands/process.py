@@ -112,7 +112,7 @@ def _add_work(work: argparse._ArgumentGroup) -> None:
 
 def run(args: argparse.Namespace) -> None:
     """Write recordings again, with the muscle's state beside the motion."""
-    from ..processing.inputs import build_tasks, find_recordings
+    from ..processing.inputs import build_tasks, find_recordings, is_single
     from ..processing.options import Options
     from ..processing.workers import run_tasks
 
@@ -125,7 +125,7 @@ def run(args: argparse.Namespace) -> None:
         print(f'linkedplane: {caution}', file=sys.stderr)
     out = Path(args.out)
     sources, faults = find_recordings(args.inputs)
-    single = len(args.inputs) == 1 and sources == [Path(args.inputs[0])]
+    single = is_single(args.inputs, sources, out)
     tasks, clashes = build_tasks(sources, out, single, options)
     faults += clashes
     for fault in faults:

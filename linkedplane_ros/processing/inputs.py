@@ -79,6 +79,17 @@ def is_bag(path: Path) -> bool:
     return (path / METADATA).is_file()
 
 
+def is_single(named: Sequence[str], sources: Sequence[Path], target: Path) -> bool:
+    """Return whether a target is the output of one recording, and no folder of outputs.
+
+    Where a folder or pattern stands for one recording, a table is its output; a bag's name is that
+    of a folder of outputs, as it is for several.
+    """
+    if len(named) != 1 or len(sources) != 1:
+        return False
+    return sources[0] == Path(named[0]) or target.suffix.lower() in TABLE_ENDINGS
+
+
 def plain_name(path: Path) -> str:
     """Return a recording's name without a file's ending; a folder has none."""
     return path.name if path.is_dir() else path.stem
@@ -96,7 +107,7 @@ def build_tasks(
     target
         The output of a single recording; else the folder of all outputs.
     single
-        Whether the user named just one recording, and no folder or pattern.
+        Whether the target is the output of one recording: see `is_single`.
     options
         How they are processed.
 

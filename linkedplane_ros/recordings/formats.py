@@ -52,6 +52,8 @@ def check_file(path: Path, endings: Sequence[str]) -> None:
     with path.open('rb') as file:
         head = file.read(HEAD)
     ending = path.suffix.lower()
+    if not head and ending in BAGS:
+        raise RecordingError(f'{path}: the file is empty (0 bytes); a recording expected')
     foreign = foreign_content(path, head)
     if foreign is None and ending in endings:
         return

@@ -26,6 +26,7 @@ from bags import (
     write_bag,
 )
 
+from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.processing.reading import read_processed
 from linkedplane_ros.recordings.bags.opening import open_bag
 
@@ -221,6 +222,40 @@ def test_a_message_in_a_file_that_is_not_listed_is_not_missing(
     lines = [line.split(', first at ')[1] for line in said.splitlines() if 'missing' in line]
     counts = f'/joint_states: metadata.yaml counts {counted}, 20 are there'
     assert lines == [counts] * bool(missing)
+
+
+@pytest.mark.parametrize('named', ['bag', 'b*', 'bag/*'])
+@pytest.mark.parametrize('storage', [MCAP, SQLITE3])
+def test_a_folder_of_one_file_without_metadata_becomes_one_table(
+    tmp_path: Path, storage: Any, named: str
+) -> None:
+    bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], storage)
+    (bag / 'metadata.yaml').unlink()
+    assert exit_status([str(tmp_path / named), str(tmp_path / 'o.csv')]) == 0
+    assert len(read_csv(tmp_path / 'o.csv')[2]) == 10
+    assert exit_status([str(tmp_path / named), str(tmp_path / 'out')]) == 0
+    [made] = (tmp_path / 'out').iterdir()  # a folder of outputs
+    assert made.name == 'bag'
+    [file] = bag.iterdir()
+    with pytest.raises(RecordingError) as caught:  # where a folder has to be a bag
+        open_bag(bag)
+    assert str(caught.value) == f'{bag}: no metadata.yaml in it; name {file}'
+    shutil.copyfile(file, file.with_name('second' + file.suffix))
+    assert exit_status([str(tmp_path / named), str(tmp_path / 'p.csv')]) == 1
+
+
+@pytest.mark.parametrize('name', ['a.mcap', 'a.db3', 'A.MCAP'])
+@pytest.mark.parametrize('inside', [False, True])
+def test_an_empty_file_is_called_empty(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, inside: bool
+) -> None:
+    path = source = tmp_path / name
+    if inside:
+        source = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)])
+        path = source / name
+    path.touch()
+    line = refusal_line(capsys, str(source), str(tmp_path / 'o.csv'))
+    assert line == f'linkedplane: {path}: the file is empty (0 bytes); a recording expected\n'
 
 
 def set_version(version: int, path: str) -> Callable[[dict[str, Any]], None]:

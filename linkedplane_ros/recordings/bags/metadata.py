@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from ...errors import RecordingError
-from ..formats import METADATA
+from ..formats import BAGS, METADATA
 
 BEFORE_FOLDERS = 4  # the version from which on paths are relative to the bag's folder
 
@@ -53,6 +53,10 @@ def read_metadata(bag: Path) -> BagMetadata:
         topics = tuple(map(read_topic, content['topics_with_message_count'] or ()))
         mode = str(content.get('compression_mode') or '').lower()
         packed = str(content.get('compression_format') or '')
+    except FileNotFoundError:
+        files = [each for each in sorted(bag.iterdir()) if each.suffix.lower() in BAGS]
+        advice = f'; name {" or ".join(map(str, files))}' if files else f', nor {" or ".join(BAGS)}'
+        raise RecordingError(f'{bag}: no {METADATA} in it{advice}') from None
     except OSError as error:
         raise RecordingError(f'{path}: cannot be read: {error.strerror}') from None
     except (AttributeError, KeyError, TypeError, ValueError, yaml.YAMLError):
