@@ -54,8 +54,8 @@ def read_metadata(bag: Path) -> BagMetadata:
         mode = str(content.get('compression_mode') or '').lower()
         packed = str(content.get('compression_format') or '')
     except FileNotFoundError:
-        files = [each for each in sorted(bag.iterdir()) if each.suffix.lower() in BAGS]
-        advice = f'; name {" or ".join(map(str, files))}' if files else f', nor {" or ".join(BAGS)}'
+        inside = [each for each in sorted(bag.iterdir()) if each.suffix.lower() in BAGS]
+        advice = f'; name {" or ".join(map(str, inside))}' if inside else ''
         raise RecordingError(f'{bag}: no {METADATA} in it{advice}') from None
     except OSError as error:
         raise RecordingError(f'{path}: cannot be read: {error.strerror}') from None
