@@ -43,6 +43,21 @@ FAULTS = {
         MOT.replace('endheader\n', ''),
         "m.sto:6: the file ends, but a line 'endheader' was expected before",
     ),
+    'a mot named csv': (
+        'm.csv',
+        MOT,
+        "m.csv:4: 'endheader', as in OpenSim's tables; rename this .csv to .mot or .sto",
+    ),
+    'a mot named tsv, by a spreadsheet': (
+        'm.tsv',
+        MOT.replace('\n', '\t\t\n').removeprefix('Coordinates\t\t\n'),
+        "m.tsv:3: 'endheader', as in OpenSim's tables; rename this .tsv to .mot or .sto",
+    ),
+    'a mot with prose named csv': (
+        'm.csv',
+        MOT.replace('endheader', '\nUnits are S.I. units (second, meters, ...)\n\n"EndHeader"'),
+        "m.csv:7: 'endheader', as in OpenSim's tables",
+    ),
     'no names': ('m.mot', 'endheader\n\n', 'found nothing'),
     'no rows in a mot': (
         'm.mot',
