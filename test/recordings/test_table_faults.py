@@ -115,7 +115,20 @@ FAULTS = {
     'a point after decimal commas': (
         'm.csv',
         'time;a;b\n' + '0,5;1;2\n' * 300 + '1;3.5;4\n',
-        "m.csv:302: column 'a': '3.5' is not a number; one like -0,5 expected",
+        "m.csv:302: column 'a': '3.5' is not a number; one like -0,5 expected: decimals have "
+        'commas in this table, as its first 200 rows show',
+    ),
+    'a decimal comma after points': (
+        'm.csv',
+        'time;a;b\n' + '0.5;1;2\n' * 250 + '1;0,5;4\n',
+        "m.csv:252: column 'a': '0,5' is not a number; one like -0.5 expected: decimals have "
+        'points in this table, as its first 200 rows show',
+    ),
+    'a decimal comma after points in a mot': (
+        'm.mot',
+        MOT + '0.2\t5\t6\n' * 250 + '0.3\t-1,25\t6\n',
+        "m.mot:258: column 'a': '-1,25' is not a number; one like -0.5 expected: decimals have "
+        'points in this table',
     ),
     'decimals or thousands': (
         'm.csv',
@@ -239,6 +252,11 @@ def test_a_fault_is_named_in_one_line_with_its_place(tmp_path: Path, case: str) 
     assert reason in text
     assert text.startswith(f'{name}:')
     assert len(text) < 300
+
+
+def test_a_decimal_comma_between_commas_is_no_matter_of_the_first_rows(tmp_path: Path) -> None:
+    text = read_fault(write_table(tmp_path, 'm.csv', CSV.replace('4', '"0,5"')))
+    assert text.endswith("'0,5' is not a number; one like -0.5 expected")
 
 
 @pytest.mark.parametrize('row', [1, 2, 500, 2500])

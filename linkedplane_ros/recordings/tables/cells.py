@@ -33,7 +33,12 @@ UNIT = re.compile(
 
 
 def parse_rows(
-    header: Sequence[str], times: int, places: Sequence[int], rows: Iterator[TableRow], comma: bool
+    header: Sequence[str],
+    times: int,
+    places: Sequence[int],
+    rows: Iterator[TableRow],
+    comma: bool,
+    source: str,
 ) -> tuple[Floats, Floats]:
     """Return the cells of k rows in n columns as numbers: times (k, m), and the rest (k, n - m).
 
@@ -49,6 +54,8 @@ def parse_rows(
         The k rows.
     comma
         Whether commas stand before decimals, else points.
+    source
+        What shows this, for a message; empty: nothing else was possible.
     """
     lines: list[int] = []
     cells: list[str] = []  # in one list: one a row would be slow to hold
@@ -64,7 +71,7 @@ def parse_rows(
     flat = parse_cells(cells, comma)
     if flat is None:
         named = ((lines[i // n], header[places[i % n]], cell) for i, cell in enumerate(cells))
-        flat = np.array([parse_number(*each, comma) for each in named])
+        flat = np.array([parse_number(*each, comma, source) for each in named])
     numbers = flat.reshape(len(lines), n)
     is_time = np.isfinite(numbers[:, :times])
     if not is_time.all():
@@ -103,7 +110,7 @@ def parse_cells(cells: list[str], comma: bool) -> Floats | None:
         return None
 
 
-def parse_number(line: int, name: str, cell: str, comma: bool = False) -> float:
+def parse_number(line: int, name: str, cell: str, comma: bool = False, source: str = '') -> float:
     """Return the number in a cell; NaN for a gap, inf for what is infinite."""
     text = cell.strip()
     plain = text.translate(COMMA_TO_POINT) if comma else text
@@ -113,7 +120,9 @@ def parse_number(line: int, name: str, cell: str, comma: bool = False) -> float:
         return math.nan
     if INFINITE.fullmatch(text):
         return -math.inf if text.startswith('-') else math.inf
-    hint = 'one like -0,5 expected, as in the rows before' if comma else 'one like -0.5 expected'
+    hint = 'one like -0,5 expected' if comma else 'one like -0.5 expected'
+    if source and NUMBER.fullmatch(text.replace(',', '.')):
+        hint += f': decimals have {"commas" if comma else "points"} in this table, {source}'
     if text.startswith('#'):
         hint = COMMENT
     elif CLOCK.match(text):

@@ -102,10 +102,15 @@ class Table:
             first, left = header.peek_rows(FIRST_ROWS)
             if not first:
                 raise RecordingError(f'{header.line}: no rows of numbers after the names')
-            comma = header.delimiter != ',' and has_decimal_commas(first, places)
+            comma, source = False, ''
+            if header.delimiter != ',':
+                comma = has_decimal_commas(first, places)
+                source = f'as its first {FIRST_ROWS} rows show'
             m = len(self.time.names)
             while True:
-                times, values = parse_rows(header.names, m, places, islice(left, rows), comma)
+                times, values = parse_rows(
+                    header.names, m, places, islice(left, rows), comma, source
+                )
                 if not len(times):
                     return
                 yield self.time.to_seconds(header.line, times), values, share()
