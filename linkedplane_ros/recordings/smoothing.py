@@ -60,21 +60,17 @@ class SmoothedMotion:
             self.refused.forget(FALLS)  # frames were late: nothing is split
         times = 1e-9 * (stamps - stamps[0])
         late = 1e-9 * (recorded - stamps)  # recorded, after its stamp
-        stretches = [
-            (*self._smooth(times[one], angles[one], len(times)), times[one], late[one])
-            for one in self._stretches(times)
-        ]
+        stretches = []
+        for one in self._stretches(times):
+            first = stamps[one.start]
+            old = 1e-9 * (stamps[one] - first)  # exact to ns, however far from the first stretch
+            new, *smooth = self._smooth(old, angles[one], times[one.start], len(times))
+            after = seconds_to_nanoseconds(np.interp(new, old, late[one]))
+            stretches.append((first + seconds_to_nanoseconds(new), *smooth, after))
         if not stretches:
             return
-        after = [np.interp(new, old, behind) for new, _, _, old, behind in stretches]
-        stamps = stamps[0] + seconds_to_nanoseconds(np.concatenate([new for new, *_ in stretches]))
-        frames = Chunk(
-            stamps,
-            np.concatenate([each for _, each, *_ in stretches]),
-            np.concatenate([each for _, _, each, *_ in stretches]),
-            np.maximum.accumulate(stamps + seconds_to_nanoseconds(np.concatenate(after))),
-            1.0,
-        )
+        stamps, angles, speeds, after = map(np.concatenate, zip(*stretches, strict=True))
+        frames = Chunk(stamps, angles, speeds, np.maximum.accumulate(stamps + after), 1.0)
         if isinstance(self.motion, BagMotion) and self.keeps_records:
             yield from merge_with_records(frames, self.motion.batches())
             return
@@ -116,10 +112,15 @@ class SmoothedMotion:
             where = f'{times[start]:.2f} s: a stretch without gaps of {stop - start} frames'
             self.refused.add('too_short', f'{where}; at least {least} expected', stop - start)
 
-    def _smooth(self, times: Floats, angles: Floats, frames: int) -> tuple[Floats, Floats, Floats]:
-        """Return times (k,), s, angles (k, 3), rad, and velocities, of a stretch of all frames."""
+    def _smooth(
+        self, times: Floats, angles: Floats, begin: float, frames: int
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return times (k,), s, angles (k, 3), rad, and velocities, of a stretch of all frames.
+
+        Times are since the stretch's begin, which is in s since the first frame.
+        """
         try:
-            angles = unwrap_angles(times, angles)
+            angles = unwrap_angles(begin + times, angles)
             if self.cutoff is not None:
                 # as many samples as were recorded are filtered, then brought to the rate asked for
                 mean_rate = (len(times) - 1) / (times[-1] - times[0])

@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -242,6 +243,20 @@ def test_a_clock_a_little_beside_the_recorded_one_shifts_nothing(tmp_path: Path)
     lines = (tmp_path / 'o.csv').read_text().splitlines()[-12:]
     assert lines[4].split(',')[0] == '1717000000.040000000'
     assert 'shifted' not in report.notes[0]
+
+
+@pytest.mark.parametrize('options', [{'differentiate': True}, {'rate': 100.0}])
+def test_stamps_keep_their_nanoseconds_however_far_the_clock_jumps(
+    tmp_path: Path, options: dict[str, Any]
+) -> None:
+    stamps = [begin + k * 10**7 for begin in (SIMULATED, 1717 * 10**15 + 40) for k in range(6)]
+    sent = [with_stamp(joint_state(k), stamp) for k, stamp in enumerate(stamps)]
+    report = run_task(
+        Task(write_bag(tmp_path / 'in', sent), tmp_path / 'o.csv', Options(**options))
+    )
+    assert (report.fault, report.frames) == ('', 12)
+    lines = (tmp_path / 'o.csv').read_text().splitlines()[-12:]
+    assert [line.split(',')[0].replace('.', '') for line in lines] == list(map(str, stamps))
 
 
 def pose(k: int, topic: str, w: float = 1.0) -> Sent:
