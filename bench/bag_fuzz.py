@@ -18,7 +18,6 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from mcap.writer import CompressionType, Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
 from rosbags.typesys import Stores, get_typestore
@@ -57,13 +56,15 @@ def written_frames() -> Frames:
     return {f'{s // 10**9}.{s % 10**9:09d}': tuple(angles_of(k)) for k, s in enumerate(stamps)}
 
 
-def write_mcap(path: Path, compression: CompressionType, crcs: bool, chunks: bool = True) -> Path:
+def write_mcap(path: Path, compression: str, crcs: bool, chunks: bool = True) -> Path:
     """Write an MCAP file of several chunks."""
+    from mcap.writer import CompressionType, Writer
+
     with path.open('wb') as file:
         writer = Writer(
             file,
             chunk_size=700,
-            compression=compression,
+            compression=CompressionType[compression],
             use_chunking=chunks,
             enable_crcs=crcs,
             enable_data_crcs=crcs,
@@ -89,7 +90,7 @@ def write_sqlite(path: Path) -> Path:
     return path.with_suffix('') / path.name
 
 
-ZSTD, LZ4, PLAIN = CompressionType.ZSTD, CompressionType.LZ4, CompressionType.NONE
+ZSTD, LZ4, PLAIN = 'ZSTD', 'LZ4', 'NONE'  # as the mcap library calls them
 FORMATS: dict[str, tuple[Callable[[Path], Path], bool]] = {  # and whether CRCs guard all of it
     'mcap with CRCs': (lambda path: write_mcap(path, PLAIN, True), True),
     'mcap zstd with CRCs': (lambda path: write_mcap(path, ZSTD, True), True),

@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bags import STORE, joint_state
-from mcap.reader import NonSeekingReader
-from mcap.writer import CompressionType, Writer
 
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 JOINT_STATE_TEXT = STORE.generate_msgdef(JOINT_STATE, ros_version=2)[0].encode()
@@ -37,10 +35,14 @@ def write_mcap(
     beside: Sequence[Topic] = (),
     ours: Topic | None = None,
     profile: str = 'ros2',
+    compression: str = 'NONE',
+    index: str = 'ALL',
     **options: Any,
 ) -> Path:
     """Write 10 joint states, and after each a message of every other topic."""
-    options.setdefault('compression', CompressionType.NONE)
+    from mcap.writer import CompressionType, IndexType, Writer
+
+    options['compression'], options['index_types'] = CompressionType[compression], IndexType[index]
     ours = ours or Topic('/joint_states', Schema())
     with path.open('wb') as file:
         writer = Writer(file, **options)
@@ -62,6 +64,8 @@ def write_mcap(
 
 def read_mcap(path: Path, ours: str = '/deltoid') -> list[tuple[Any, ...]]:
     """Return all messages, with what the file says of their topics, but those of our answers."""
+    from mcap.reader import NonSeekingReader
+
     with path.open('rb') as file:
         reader = NonSeekingReader(file, validate_crcs=True)
         return sorted(

@@ -26,18 +26,21 @@ from bag_fuzz import (
     written_frames,
 )
 from bags import STORE, Sent, exit_status, joint_state, refusal_line, write_bag
-from mcap.exceptions import McapError
-from mcap.reader import NonSeekingReader
-from mcap.stream_reader import StreamReader
-from zstandard import ZstdError
+from optional import requires
 
 from linkedplane_ros.errors import RecordingError
 from linkedplane_ros.processing.reading import read_processed
 from linkedplane_ros.recordings.bags.opening import open_bag
 
+pytestmark = requires('mcap', 'zstandard')  # writes and judges the files
+
 
 def count_whole(path: Path) -> int:
     """Return how many messages the mcap library reads as they were written before it stops."""
+    from mcap.exceptions import McapError
+    from mcap.reader import NonSeekingReader
+    from zstandard import ZstdError
+
     written = {encode_frame(k)[1] for k in range(COUNT)}
     count = 0
     with path.open('rb') as file:
@@ -51,6 +54,8 @@ def count_whole(path: Path) -> int:
 
 def record_borders(path: Path) -> list[int]:
     """Return where the records of a file end, by the mcap library."""
+    from mcap.stream_reader import StreamReader
+
     with path.open('rb') as file:
         reader = StreamReader(file, emit_chunks=True)
         return [file.tell() for _ in reader.records]

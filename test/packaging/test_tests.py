@@ -18,8 +18,8 @@ import pytest
 TESTS = Path(__file__).parents[1]
 MODULES = sorted(TESTS.rglob('*.py'))
 OPTIONAL = {
-    'dask', 'distributed', 'jsonschema', 'matplotlib', 'mujoco', 'numba', 'opensim', 'playwright',
-    'pyarrow', 'pymoo', 'rich', 'viser',
+    'dask', 'distributed', 'jsonschema', 'matplotlib', 'mcap', 'mujoco', 'numba', 'opensim',
+    'playwright', 'pyarrow', 'pymoo', 'rich', 'viser', 'zstandard',
 }  # fmt: skip
 
 
