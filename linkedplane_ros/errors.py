@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 LONGEST = 100  # characters of a value in a message
+LONGEST_WORD, LONGEST_LINE = 1024, 8192  # of a line for a terminal
+LONG_WORD = re.compile(rf'(\S{{{LONGEST_WORD}}})\S+')
 
 
 class LinkedPlaneError(ValueError):
@@ -43,10 +46,15 @@ def describe_value(value: Any) -> str:
 
 
 def escape_controls(text: str) -> str:
-    """Return a message as one line: what does not print, as a line's end, is escaped."""
-    if text.isprintable():
-        return text
-    return ''.join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+    """Return a message as one line: what does not print, as a line's end, is escaped.
+
+    A word longer than a path, and a line longer than a page, are cut: names of others may be so.
+    """
+    if not text.isprintable():
+        text = ''.join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+    if len(text) > LONGEST_WORD:
+        text = LONG_WORD.sub(r'\1...', text)[:LONGEST_LINE]
+    return text
 
 
 def as_plain(value: Any) -> Any:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from bags import exit_status
+from bags import T0, exit_status, joint_state, refusal_line, write_bag
 
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.reading import read_csv
@@ -45,3 +45,14 @@ def test_a_files_name_forges_no_line_of_the_report(
     source.write_text(ROWS)
     assert exit_status([str(source), str(tmp_path / 'out.csv')]) == 0
     assert 'a\\nlinkedplane: forged' in capsys.readouterr().out
+
+
+def test_a_name_of_another_does_not_fill_the_screen(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent = [('/' + 'a' * 20_000, 'sensor_msgs/msg/JointState', T0, joint_state(0)[3])]
+    sent += [(f'/other{k}', *sent[0][1:]) for k in range(1000)]
+    bag = write_bag(tmp_path / 'bag', sent)
+    line = refusal_line(capsys, str(bag), str(tmp_path / 'out.csv'), '--topic', '/arm')
+    assert 'aaa...' in line
+    assert len(line) < 8300
