@@ -48,6 +48,13 @@ def change_metadata(bag: Path, change: Callable[[dict[str, Any]], object]) -> Pa
     return bag
 
 
+def count_rows(path: Path) -> int:
+    """Return how many messages sqlite3 finds in a database."""
+    with closing(sqlite3.connect(path)) as database:
+        [(count,)] = database.execute('SELECT COUNT(*) FROM messages')
+    return int(count)
+
+
 def unfinished(tmp_path: Path, journal: str) -> Path:
     """Return a database as a killed recorder leaves it: 10 messages in it, 10 in what is beside."""
     bag = write_bag(tmp_path / 'bag', [joint_state(k) for k in range(10)], SQLITE3)
@@ -88,7 +95,7 @@ def test_what_a_killed_recorder_left_beside_a_database_is_read(
     assert count_frames(path, tmp_path / 'out.csv') == count
     assert {each.name: each.read_bytes() for each in path.parent.iterdir()} == before
     # sqlite3 itself, which brings the database to an end
-    [(held,)] = sqlite3.connect(path).execute('SELECT COUNT(*) FROM messages')
+    held = count_rows(path)
     assert held == count
 
 
@@ -120,6 +127,7 @@ def test_messages_of_other_topics_that_are_missing_are_said(
     database = sqlite3.connect(bag / 'bag.db3')
     database.execute('DELETE FROM messages WHERE topic_id = 2 AND id > 15')
     database.commit()
+    database.close()
     assert count_frames(bag, tmp_path / 'out.csv') == 10
     told = capsys.readouterr().out
     assert 'messages not read: 3: /notes: metadata.yaml counts 10, 7 are there\n' in told
@@ -148,6 +156,7 @@ def test_messages_of_no_topic_are_counted(
     database = sqlite3.connect(bag / 'bag.db3')
     database.execute('UPDATE messages SET topic_id = 9 WHERE id > 6')
     database.commit()
+    database.close()
     assert count_frames(bag / 'bag.db3', tmp_path / 'out.csv') == 6
     assert 'messages not read: 4: topic 9, which bag.db3 does not define' in capsys.readouterr().out
 
@@ -315,14 +324,12 @@ def test_the_case_of_an_empty_storage_identifier(tmp_path: Path, cases: Path) ->
 
 def read_rows(path: Path) -> list[tuple[Any, ...]]:
     """Return the messages of a database, with their topics, by sqlite3."""
-    return [
-        row
-        for row in sqlite3.connect(path).execute(
+    with closing(sqlite3.connect(path)) as database:
+        rows = database.execute(
             'SELECT name, type, serialization_format, timestamp, data FROM messages '
             'JOIN topics ON topics.id = topic_id ORDER BY timestamp, messages.id'
-        )
-        if not row[0].startswith('/deltoid')
-    ]
+        ).fetchall()
+    return [row for row in rows if not row[0].startswith('/deltoid')]
 
 
 @pytest.mark.parametrize('case', ['run', 'silent'])
@@ -353,7 +360,7 @@ def test_what_sqlite_does_not_take_of_a_wal_is_said(
     wal.write_bytes(data)
     # sqlite3 judges: none of the transaction is there
     copy = shutil.copytree(path.parent, tmp_path / 'judged')
-    [(held,)] = sqlite3.connect(copy / path.name).execute('SELECT COUNT(*) FROM messages')
+    held = count_rows(copy / path.name)
     assert count_frames(path, tmp_path / 'out.csv') == held == 10
     assert 'bag.db3-wal: ' in (told := capsys.readouterr().err)
     assert 'pages are damaged or were not committed; messages in them are lost' in told

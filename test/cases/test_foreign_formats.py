@@ -7,6 +7,7 @@ import gzip
 import io
 import sqlite3
 import zipfile
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def build_npz() -> bytes:
 
 def build_sqlite() -> bytes:
     """Return a database, by SQLite itself."""
-    with sqlite3.connect(':memory:') as database:
+    with closing(sqlite3.connect(':memory:')) as database:
         database.execute('CREATE TABLE t (x)')
         return database.serialize() if hasattr(database, 'serialize') else b'SQLite format 3\0'
 
