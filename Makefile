@@ -30,7 +30,7 @@ test: .venv/.rivals check docs workspace  ## run all checks and tests
 
 # Of each package something: what another Python, or another version of a library, could break.
 QUICK := linked_planes joints muscle solver recordings processing drawing commands \
-  documentation/test_blocks.py node/test_end_to_end.py node/test_topics.py node/test_parameters_checked.py
+  cases documentation/test_blocks.py node/test_end_to_end.py node/test_topics.py node/test_parameters_checked.py
 
 quick: .venv/.made demo  ## run the demo and a part of the tests; with OLDEST=1 on the oldest libraries
 	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2 $(QUICK:%=test/%)
