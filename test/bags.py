@@ -120,6 +120,12 @@ def exit_status(command: Sequence[str]) -> int:
     return main(['process', *command])
 
 
+def count_frames(source: Path, target: Path) -> int:
+    """Process a recording into a table; return its rows."""
+    assert exit_status([str(source), str(target), '--force']) == 0
+    return len(read_csv(target)[2])
+
+
 class Kept:
     """Keeps what the node publishes on one topic, as if somebody listened."""
 

@@ -83,9 +83,9 @@ NAMES = ['chunks', 'zstd', 'lz4', 'no chunks']
 
 @pytest.mark.parametrize(('compression', 'chunks'), LAYOUTS, ids=NAMES)
 def test_a_file_that_is_cut_is_read_as_far_as_the_mcap_library_reads_it(
-    tmp_path: Path, compression: object, chunks: bool
+    tmp_path: Path, compression: str, chunks: bool
 ) -> None:
-    path = write_mcap(tmp_path / 'a.mcap', compression, True, chunks)  # type: ignore[arg-type]
+    path = write_mcap(tmp_path / 'a.mcap', compression, True, chunks)
     content = path.read_bytes()
     places = random.Random(17).sample(range(8, len(content) - 8), 50)
     for place in (*record_borders(path)[:-1], *places):
