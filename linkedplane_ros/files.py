@@ -13,6 +13,7 @@ from pathlib import Path
 from .errors import LinkedPlaneError
 
 PART = '.part'  # the ending of the folder in which an output is written
+INTERRUPTIONS = (KeyboardInterrupt, SystemExit)
 
 
 @contextmanager
@@ -60,12 +61,9 @@ def claim_output(path: Path, error: type[LinkedPlaneError]) -> Iterator[Path]:
     error
         What is raised if another run has claimed it, or the folder cannot be made.
     """
-    workshop, lock = workshop_of(path), None
+    workshop = workshop_of(path)
     try:
-        while lock is None:
-            with suppress(FileExistsError):
-                workshop.mkdir(mode=0o700)
-            lock = lock_folder(workshop)
+        lock = claim_folder(workshop)
     except BlockingIOError:
         raise error(f'{path}: another run is writing it') from None
     except OSError as fault:
@@ -75,7 +73,32 @@ def claim_output(path: Path, error: type[LinkedPlaneError]) -> Iterator[Path]:
             remove_path(left)
         yield workshop
     finally:
-        remove_path(workshop)
+        remove_claimed(workshop, lock)
+
+
+def claim_folder(folder: Path) -> int:
+    """Make a folder if it is not there, and return its lock; an interruption leaves nothing."""
+    try:
+        while True:
+            with suppress(FileExistsError):
+                folder.mkdir(mode=0o700)
+            if (lock := lock_folder(folder)) is not None:
+                return lock
+    except INTERRUPTIONS:  # perhaps between the folder and its lock
+        with suppress(OSError):
+            if (lock := lock_folder(folder)) is not None:
+                remove_claimed(folder, lock)
+        raise
+
+
+def remove_claimed(folder: Path, lock: int) -> None:
+    """Remove a folder that this process has locked, also if it is interrupted meanwhile."""
+    try:
+        remove_path(folder)
+    except INTERRUPTIONS:
+        remove_path(folder)
+        raise
+    finally:
         os.close(lock)
 
 
@@ -106,7 +129,7 @@ def lock_folder(folder: Path) -> int | None:
             return lock
     except FileNotFoundError:
         pass
-    except OSError:
+    except BaseException:
         os.close(lock)
         raise
     os.close(lock)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
+from typing import Any
 
 import pytest
 from bags import exit_status, odd_motion, refusal_line, write_bag
@@ -195,3 +196,30 @@ def test_no_workshop_is_entered_through_a_link(tmp_path: Path) -> None:
     ):
         pass
     assert (precious / 'file').exists()
+
+
+@pytest.mark.parametrize('place', ['mkdir', 'open', 'flock', 'rmtree'])
+@pytest.mark.parametrize('interruption', [KeyboardInterrupt, SystemExit])
+def test_an_interruption_at_any_place_leaves_no_part(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    place: str,
+    interruption: type[BaseException],
+) -> None:
+    module = {'mkdir': Path, 'open': os, 'flock': files.fcntl, 'rmtree': files.shutil}[place]
+    true = getattr(module, place)
+
+    def interrupt_once(*arguments: Any, **options: Any) -> Any:
+        monkeypatch.undo()
+        done = true(*arguments, **options) if place != 'rmtree' else None
+        if place == 'open':
+            os.close(done)
+        raise interruption
+
+    monkeypatch.setattr(module, place, interrupt_once)
+    with (
+        pytest.raises(interruption),
+        replace_when_complete(tmp_path / 'out.csv', RecordingError) as new,
+    ):
+        new.write_text('half')
+    assert [path for path in tmp_path.iterdir() if path.name != 'out.csv'] == []
