@@ -7,11 +7,12 @@ Setting the environment variable LINKEDPLANE_COMPILE to 0 keeps them uncompiled.
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
+import pickle
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import suppress
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any, TypeVar
@@ -25,7 +26,7 @@ try:
     if os.environ.get('LINKEDPLANE_COMPILE') == '0':
         raise ImportError('compilation is switched off')
     import numba
-    from numba.core.caching import FunctionCache
+    from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
     from numba.extending import register_jitable
 except ImportError:
     COMPILED = False
@@ -44,20 +45,57 @@ def entry(kernel: Kernel) -> Kernel:
     """Return a kernel that Python calls: it lets other threads run, and is cached on disk.
 
     Beside the source, or in the user's cache folder where that is read-only, or, with neither to
-    write to, not at all. It is compiled again when any kernel that it calls has changed.
+    write to, not at all. It is compiled again when any kernel that it calls has changed, and when
+    the cache cannot be read.
     """
     if not COMPILED:
         return kernel
     called = numba.njit(nogil=True, **OPTIONS)(kernel)
-    with suppress(RuntimeError):  # no folder to write to
+    try:
         called._cache = _Cache(kernel)
+    except (OSError, RuntimeError):
+        called._cache = _NoCache()
     return called  # type: ignore[no-any-return]
+
+
+@cache
+def warn_once(message: str) -> None:
+    """Log a warning, the first time that it is given: a process has many kernels."""
+    logging.getLogger(__name__.partition('.')[0]).warning('%s', message)
 
 
 if COMPILED:
 
+    class _NoCache(NullCache):  # type: ignore[misc]
+        """Where no folder can be written to."""
+
+        def save_overload(self, signature: Any, compiled: Any) -> None:
+            warn_once('kernels are compiled at each start: no folder to keep them can be written')
+
+    class _CacheFile(IndexDataCacheFile):  # type: ignore[misc]
+        """With each entry its digest: machine code that is damaged must not run."""
+
+        def save(self, key: Any, data: Any) -> None:
+            content = self._dump(data)
+            super().save(key, (digest_entry(key, content), content))
+
+        def load(self, key: Any) -> Any:
+            stored = super().load(key)
+            if stored is None:
+                return None
+            digest, content = stored
+            if digest != digest_entry(key, content):
+                raise ValueError('damaged')
+            return pickle.loads(content)
+
     class _Cache(FunctionCache):  # type: ignore[misc]
         """Renewed when anything changes that a kernel uses; numba looks only at its own file."""
+
+        def __init__(self, kernel: Callable[..., Any]) -> None:
+            super().__init__(kernel)
+            stamp = self._impl.locator.get_source_stamp()
+            file = _CacheFile(self.cache_path, self._impl.filename_base, stamp)
+            self._cache_file: Any = file
 
         @cached_property
         def _sources(self) -> str:
@@ -66,14 +104,39 @@ if COMPILED:
         def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
             return (*super()._index_key(signature, codegen), self._sources)
 
+        def load_overload(self, signature: Any, context: Any) -> Any:
+            try:
+                return super().load_overload(signature, context)
+            except Exception:  # unpickling what is damaged raises anything
+                warn_once(f'{self.cache_path}: damaged compiled kernels; they are compiled again')
+            try:
+                self.flush()
+            except OSError:
+                self.disable()
+            return None
+
+        def save_overload(self, signature: Any, compiled: Any) -> None:
+            try:
+                super().save_overload(signature, compiled)
+            except OSError as error:
+                warn_once(
+                    f'{self.cache_path}: compiled kernels cannot be kept: {error.strerror or error}'
+                )
+
+
+def digest_entry(key: Any, content: bytes) -> bytes:
+    """Return the digest of a kernel's machine code and what it was compiled for."""
+    return hashlib.sha256(repr(key).encode() + content).digest()
+
 
 def fingerprint(kernel: Callable[..., Any]) -> str:
     """Return a digest of all that a kernel is compiled from.
 
-    The files of the kernel, of the kernels that it calls and of the types that it makes, and the
-    constants that they use, wherever they stand.
+    The files of the kernel, of the kernels that it calls and of the types that it makes, the
+    constants that they use, wherever they stand, and this file, which has the options.
     """
-    files, constants = set(), set()
+    files: set[Any] = {__file__}
+    constants = set()
     seen: set[Any] = set()
     left: list[Any] = [kernel]
     while left:
