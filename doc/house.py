@@ -22,6 +22,7 @@ SOURCES = Path(__file__).parents[1] / 'linkedplane_ros'
 PACKAGES = {  # in the way of the data: the column where it is drawn, and what it is
     'linked_planes': (1, "the thesis's chapter 4"),
     'joints': (0, 'joint states to poses'),
+    'skeleton': (3, 'a chain of joints'),
     'muscle': (2, 'a model and its file'),
     'solver': (1, 'a muscle at a pose'),
     'drawing': (1, 'a state as shapes and pictures'),

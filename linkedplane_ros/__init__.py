@@ -10,9 +10,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import LinkedPlaneError, ModelError, RecordingError
+    from .errors import LinkedPlaneError, ModelError, RecordingError, SkeletonError
     from .joints.conventions import JOINT_CONVENTIONS, JointConvention
     from .muscle.broad_muscle import BroadMuscle, Head, Landmark
+    from .skeleton.skeleton import Skeleton
     from .solver.linked_plane_solver import LinkedPlaneSolver
     from .solver.states import MuscleState, MuscleStates, WrapState
 
@@ -29,13 +30,16 @@ __all__ = [
     'MuscleState',
     'MuscleStates',
     'RecordingError',
+    'Skeleton',
+    'SkeletonError',
     'WrapState',
 ]
 
 _PLACES = {
-    'errors': ('LinkedPlaneError', 'ModelError', 'RecordingError'),
+    'errors': ('LinkedPlaneError', 'ModelError', 'RecordingError', 'SkeletonError'),
     'joints.conventions': ('JOINT_CONVENTIONS', 'JointConvention'),
     'muscle.broad_muscle': ('BroadMuscle', 'Head', 'Landmark'),
+    'skeleton.skeleton': ('Skeleton',),
     'solver.linked_plane_solver': ('LinkedPlaneSolver',),
     'solver.states': ('MuscleState', 'MuscleStates', 'WrapState'),
 }

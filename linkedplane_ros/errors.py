@@ -23,6 +23,10 @@ class RecordingError(LinkedPlaneError):
     """A recording that cannot be read; the message names the file and the reason."""
 
 
+class SkeletonError(LinkedPlaneError):
+    """A URDF that cannot be used; the message names the file, the joint or link, the reason."""
+
+
 class ArgumentError(LinkedPlaneError):
     """An argument of a command line that cannot be used; it ends an executable with status 2."""
 

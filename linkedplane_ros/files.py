@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files and folders that appear when they are complete, and what a killed run leaves of them."""
+"""Files: those that appear when they are complete, what a killed run leaves, what is read."""
 
 from __future__ import annotations
 
 import fcntl
 import os
 import shutil
+import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -185,6 +186,27 @@ def synchronise_path(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def read_regular_file(path: Path, most: int, error: type[LinkedPlaneError]) -> bytes:
+    """Return the content of a regular file of at most `most` bytes; `error` for anything else.
+
+    A pipe or a device is refused unread: it may have no end.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with open(descriptor, 'rb') as file:
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                raise error(f'{path}: cannot be read: not a regular file')
+            content = file.read(most + 1)
+    except (OSError, ValueError) as fault:
+        if isinstance(fault, error):
+            raise
+        reason = fault.strerror if isinstance(fault, OSError) else fault
+        raise error(f'{path}: cannot be read: {reason}') from None
+    if len(content) > most:
+        raise error(f'{path}: larger than {most / 2**20:g} MiB, the most that is read')
+    return content
 
 
 def find_abandoned(folders: Iterable[Path]) -> list[Path]:

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a tree of joints to the arrays that the kernels read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..joints.rotations import rotation_about
+from ..types import Floats, Point, Triple
+from .joint_tree import FIXED, PRISMATIC, Joint, JointTree
+from .kinematics import SLIDING, STILL, TURNING, Chain
+
+X, Y, Z = np.eye(3)
+SAME_FRAME = np.eye(3, 4)
+
+
+def pack_tree(tree: JointTree, bones: Sequence[str]) -> Chain:
+    """Return a tree as the kernel takes it, with links of it as bones, in their own frames."""
+    joints = tree.order_joints()
+    links = {tree.root: 0, **{joint.child: i + 1 for i, joint in enumerate(joints)}}
+    numbers = {joint.name: i for i, joint in enumerate(tree.independent)}
+    sources = [tree.find_source(joint) or ('', 0.0, 0.0) for joint in joints]
+    parents = [links[joint.parent] for joint in joints]
+    above = np.zeros((len(links), len(joints)), dtype=np.int64)  # the joints between root and link
+    for i, parent in enumerate(parents):
+        above[i + 1] = above[parent]
+        above[i + 1, i] = 1
+    places = [links[bone] for bone in bones]
+    return Chain(
+        np.array(parents, dtype=np.int64),
+        np.array([kind_number(joint) for joint in joints], dtype=np.int64),
+        np.array([joint_place(joint.xyz, joint.rpy) for joint in joints]).reshape(-1, 3, 4),
+        np.array([unit_joint_axis(joint) for joint in joints]).reshape(-1, 3),
+        np.array([numbers.get(name, -1) for name, _, _ in sources], dtype=np.int64),
+        np.array([factor for _, factor, _ in sources], dtype=np.float64),
+        np.array([offset for _, _, offset in sources], dtype=np.float64),
+        np.array(places, dtype=np.int64),
+        np.repeat(SAME_FRAME[np.newaxis], len(bones) - 1, axis=0),
+        above[places[1:]] - above[places[0]],
+    )
+
+
+def kind_number(joint: Joint) -> int:
+    """Return how the kernel moves a joint."""
+    if joint.kind == FIXED:
+        return STILL
+    return SLIDING if joint.kind == PRISMATIC else TURNING
+
+
+def unit_joint_axis(joint: Joint) -> Floats:
+    """Return the axis (3,) at a length of 1; any of a fixed joint."""
+    if joint.kind == FIXED:
+        return X
+    largest = max(map(abs, joint.axis))  # or the squares may be out of range
+    axis = np.array(joint.axis) / largest
+    return axis / np.linalg.norm(axis)
+
+
+def joint_place(xyz: Point, rpy: Triple) -> Floats:
+    """Return the pose (3, 4) of a URDF's origin: turned about fixed x, y and z."""
+    roll, pitch, yaw = rpy
+    rotation = rotation_about(Z, yaw) @ rotation_about(Y, pitch) @ rotation_about(X, roll)
+    return np.column_stack([rotation, xyz])
+
+
+def inverse_pose(pose: Floats) -> Floats:
+    """Return the inverse of a pose (3, 4)."""
+    rotation = pose[:, :3].T
+    return np.column_stack([rotation, -rotation @ pose[:, 3]])

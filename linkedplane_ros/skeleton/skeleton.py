@@ -1,0 +1,386 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A skeleton: the poses of a muscle's bones, and their screws, from the values of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import SkeletonError, describe_value
+from ..files import read_regular_file
+from ..types import Floats, Intervals
+from .joint_tree import JointTree, list_names
+from .kinematics import Chain, pose_bones
+from .packing import inverse_pose, pack_tree
+from .urdf import EXPAND, MOST_BYTES, parse_urdf
+
+Pose = tuple[Floats, Floats]
+"""(R, t): a point x of the bone stands at R x + t in the ground bone's frame."""
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """A tree of revolute, continuous, prismatic, fixed and mimic joints, and the bones it moves.
+
+    Bones are links, the first of them the ground: poses and screws are seen from it. It need not be
+    the root. A skeleton for the bones of a muscle (`for_bones`; the bundled ones are) has them as
+    muscle models do: at rest all bone frames coincide with the ground's, and all poses are the
+    identity. The skeleton of a URDF that names no bones has every link as a bone, the root as the
+    ground, and the links' own frames.
+    """
+
+    tree: JointTree = field(repr=False)
+    """Links and joints, as the URDF has them."""
+    bones: tuple[str, ...]
+    """What the muscle calls the bones; the ground first, then those that move, k of them."""
+    links: tuple[str, ...]
+    """The links that are these bones."""
+    rest: tuple[float, ...] | None = None
+    """(d,) rad or m, where the bones' frames coincide; None where each has its link's own."""
+
+    @staticmethod
+    def load(name: str | Path) -> Skeleton:
+        """Return a bundled skeleton, or the one in a file.
+
+        Parameters
+        ----------
+        name
+            'shoulder_girdle' or 'hip', or the path of a .urdf file, at most 16 MiB.
+
+        Returns
+        -------
+        Skeleton
+            With the bones that the URDF names, or with all its links.
+
+        Raises
+        ------
+        SkeletonError
+            One line that names the file, the joint or link and the reason.
+
+        """
+        text, bundled = str(name), bundled_skeletons()
+        if text in bundled:
+            return Skeleton.from_urdf(bundled[text], text)
+        path = Path(text)
+        if path.suffix != '.urdf':
+            hint = f'; {EXPAND}' if path.suffix == '.xacro' else ''
+            raise SkeletonError(
+                f'skeleton: {describe_value(text)} is neither a bundled skeleton '
+                f'({", ".join(sorted(bundled))}) nor a path to a .urdf file{hint}'
+            )
+        return Skeleton.from_urdf(read_regular_file(path, MOST_BYTES, SkeletonError), text)
+
+    @staticmethod
+    def from_urdf(text: str | bytes, name: str = 'robot_description') -> Skeleton:
+        """Return the skeleton in a URDF's text.
+
+        Parameters
+        ----------
+        text
+            The URDF; xacro expanded.
+        name
+            What messages call it.
+
+        Returns
+        -------
+        Skeleton
+            With the bones that it names, or with all its links.
+
+        Raises
+        ------
+        SkeletonError
+            One line that names the joint or link and the reason.
+
+        """
+        tree = parse_urdf(name, text)
+        if tree.bones:
+            return Skeleton(tree, tree.links, tree.links).for_bones(tree.bones)
+        links = (tree.root, *(joint.child for joint in tree.order_joints()))
+        return Skeleton(tree, links, links)
+
+    def for_bones(
+        self,
+        bones: Sequence[str],
+        bone_links: Mapping[str, str] | None = None,
+        rest: Mapping[str, float] | None = None,
+    ) -> Skeleton:
+        """Return the skeleton for a muscle's bones.
+
+        The link of the ground must have the frame of the muscle's ground bone (a fixed joint in the
+        URDF brings one there). The frames of the other bones follow: they coincide with it at rest,
+        whatever frames their links have.
+
+        Parameters
+        ----------
+        bones
+            The muscle's (`solver.bones`): the ground first, then those that move.
+        bone_links
+            The link of a bone that is not named as the bone, as one with a robot's prefix. Bones
+            that do not move against each other may share a link.
+        rest
+            The coordinates at the muscle's rest, rad or m; those not named are 0.
+
+        Returns
+        -------
+        Skeleton
+            With the same coordinates; those that move no bone against the ground have screws of 0.
+
+        Raises
+        ------
+        SkeletonError
+            For a bone without a link, and names that are no bone or coordinate of it.
+
+        """
+        names, renamed = tuple(bones), dict(bone_links or {})
+        if isinstance(bones, str) or not names or not all(isinstance(each, str) for each in names):
+            raise self.tree.fault(f'bones: {describe_value(bones)} given, a list of names expected')
+        if len(set(names)) < len(names):
+            raise self.tree.fault(f'bones: {list_names(names)} given, names that differ expected')
+        unknown = [bone for bone in renamed if bone not in names]
+        if unknown:
+            raise self.tree.fault(
+                f'bone_links: {describe_value(unknown[0])} is no bone; '
+                f'those are {list_names(names)}'
+            )
+        links = tuple(self._find_link(bone, renamed.get(bone, bone)) for bone in names)
+        at_rest = dict.fromkeys(self.coordinates, 0.0)
+        for name, value in (rest or {}).items():
+            if name not in at_rest:
+                raise self.tree.fault(
+                    f'rest: {describe_value(name)} is no coordinate; '
+                    f'those are {list_names(self.coordinates)}'
+                )
+            at_rest[name] = value
+        values = self._as_values(list(at_rest.values()), 'rest')
+        return replace(self, bones=names, links=links, rest=tuple(values.tolist()))
+
+    def _find_link(self, bone: str, link: str) -> str:
+        if link in self.tree.links:
+            return link
+        named = 'of that name' if link == bone else describe_value(link)
+        alike = [each for each in self.tree.links if link in each]
+        raise self.tree.fault(
+            f'no link {named} for bone {bone!r}; its links are '
+            f'{list_names(alike or self.tree.links)}; bone_links: {bone}:=LINK names another'
+        )
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The names of the independent joints, d of them, as the URDF lists them."""
+        return tuple(joint.name for joint in self.tree.independent)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Of each coordinate: 'revolute', 'continuous' (both rad) or 'prismatic' (m)."""
+        return tuple(joint.kind for joint in self.tree.independent)
+
+    @property
+    def limits(self) -> Intervals:
+        """Of each coordinate, rad or m: infinite where it has none. Poses beyond are answered."""
+        return tuple(joint.limits for joint in self.tree.independent)
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """The coordinates that move a bone against the ground: those that its muscle needs."""
+        chain = self._chain
+        used = set(chain.sources[(chain.ways != 0).any(axis=0) & (chain.factors != 0.0)].tolist())
+        return tuple(name for i, name in enumerate(self.coordinates) if i in used)
+
+    def pose(self, q: npt.ArrayLike) -> dict[str, Pose]:
+        """Return the poses of the moving bones.
+
+        Parameters
+        ----------
+        q
+            (d,) rad, or m of prismatic joints, in the order of `coordinates`.
+
+        Returns
+        -------
+        dict
+            Of each moving bone (R, t), (3, 3) and (3,) m, in the ground bone's frame: a point x of
+            the bone stands at R x + t.
+
+        Raises
+        ------
+        SkeletonError
+            For anything but d finite numbers.
+
+        """
+        return self.pose_and_screws(q)[0]
+
+    def screws(self, q: npt.ArrayLike) -> Floats:
+        """Return how each coordinate moves each bone.
+
+        Parameters
+        ----------
+        q
+            (d,) as for `pose`.
+
+        Returns
+        -------
+        Floats
+            (d, k, 6) the screw (w, v) at unit speed: w turns the bone about the ground's axes, v is
+            the velocity of its point at the ground's origin, m (of prismatic joints: 0 and 1). The
+            joints that follow a coordinate (mimic) are in it.
+
+        Raises
+        ------
+        SkeletonError
+            As `pose`.
+
+        """
+        return self.pose_and_screws(q)[1]
+
+    def pose_and_screws(self, q: npt.ArrayLike) -> tuple[dict[str, Pose], Floats]:
+        """Return `pose` and `screws` at once.
+
+        Parameters
+        ----------
+        q
+            (d,) as for `pose`.
+
+        Returns
+        -------
+        pose : dict
+            Of each moving bone (R, t), as `pose` has it.
+        screws : Floats
+            (d, k, 6) as `screws` has them.
+
+        Raises
+        ------
+        SkeletonError
+            As `pose`.
+
+        """
+        poses, screws = self._move(self._as_values(q, 'q')[np.newaxis])
+        return dict(zip(self.bones[1:], split_poses(poses[0]), strict=True)), screws[0]
+
+    def pose_batch(self, q: npt.ArrayLike) -> dict[str, Pose]:
+        """Return the poses at many values; each is, to the bit, that of `pose`.
+
+        Parameters
+        ----------
+        q
+            (m, d) as for `pose`; m may be 0.
+
+        Returns
+        -------
+        dict
+            Of each moving bone (m, 3, 3) and (m, 3) m.
+
+        Raises
+        ------
+        SkeletonError
+            As `pose`.
+
+        """
+        poses = self._move(self._as_batch(q))[0]
+        bones = (split_poses(poses[:, k : k + 1]) for k in range(len(self.bones) - 1))
+        return {
+            bone: (rotations, points)
+            for bone, [(rotations, points)] in zip(self.bones[1:], bones, strict=True)
+        }
+
+    def screws_batch(self, q: npt.ArrayLike) -> Floats:
+        """Return the screws at many values; each is, to the bit, that of `screws`.
+
+        Parameters
+        ----------
+        q
+            (m, d) as for `pose`; m may be 0.
+
+        Returns
+        -------
+        Floats
+            (m, d, k, 6) as `screws` has them.
+
+        Raises
+        ------
+        SkeletonError
+            As `pose`.
+
+        """
+        return self._move(self._as_batch(q))[1]
+
+    def _as_values(self, q: npt.ArrayLike, name: str) -> Floats:
+        return self._as_finite(q, name, (len(self.coordinates),))
+
+    def _as_batch(self, q: npt.ArrayLike) -> Floats:
+        return self._as_finite(q, 'q', (-1, len(self.coordinates)))
+
+    def _as_finite(self, q: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+        d = shape[-1]
+        expected = f'(m, {d})' if len(shape) > 1 else f'({d},)'
+        try:
+            array = np.array(q)
+            if array.dtype.kind not in 'fiu' and array.size:
+                raise TypeError
+            values = np.array(array, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self.tree.fault(f'{name}: not an array of numbers; {expected} expected') from None
+        if values.shape == (0,) and len(shape) > 1:
+            values = values.reshape(0, d)
+        if values.ndim != len(shape) or values.shape[-1] != d:
+            raise self.tree.fault(
+                f'{name}: shape {values.shape} given, {expected} expected: '
+                f'{list_names(self.coordinates)}'
+            )
+        if not np.isfinite(values).all():
+            i = int(np.argwhere(~np.isfinite(values))[0][-1])
+            raise self.tree.fault(f'{name}: {self.coordinates[i]} is not a finite number')
+        return values
+
+    def _move(self, values: Floats) -> tuple[Floats, Floats]:
+        """Return poses (m, k, 3, 4) and screws (m, d, k, 6) of values (m, d)."""
+        (m, d), k = values.shape, len(self.bones) - 1
+        poses, screws = np.empty((m, k, 3, 4)), np.empty((m, d, k, 6))
+        pose_bones(self._chain, values, poses, screws)
+        return poses, screws
+
+    @cached_property
+    def _chain(self) -> Chain:
+        """The tree as the kernel takes it, with the bones' frames in their links."""
+        chain = pack_tree(self.tree, self.links)
+        if self.rest is None:
+            return chain
+        poses = np.empty((1, len(chain.frames), 3, 4))
+        screws = np.empty((1, len(self.rest), len(chain.frames), 6))
+        pose_bones(chain, np.array([self.rest]), poses, screws)
+        frames = [inverse_pose(pose) for pose in poses[0]]
+        return chain._replace(frames=np.array(frames).reshape(-1, 3, 4))
+
+
+def bundled_skeletons() -> dict[str, str]:
+    """Return the texts of the skeletons that come with the package, by name."""
+    folder = resources.files('linkedplane_ros') / 'models'
+    return {
+        entry.name.removesuffix('.urdf'): entry.read_text(encoding='utf-8')
+        for entry in folder.iterdir()
+        if entry.name.endswith('.urdf')
+    }
+
+
+def parse_bone_links(entries: Iterable[str]) -> dict[str, str]:
+    """Return the links of bones from entries BONE:=LINK, as the parameter `bone_links` has them."""
+    links: dict[str, str] = {}
+    for text in entries:
+        bone, given, link = (part.strip() for part in text.partition(':='))
+        if not (bone and given and link):
+            raise SkeletonError(f'bone_links: {describe_value(text)} given, BONE:=LINK expected')
+        if bone in links:
+            raise SkeletonError(f'bone_links: bone {bone!r} is given twice')
+        links[bone] = link
+    return links
+
+
+def split_poses(poses: Floats) -> list[Pose]:
+    """Return rotations (..., 3, 3) and points (..., 3) of each of k poses (..., k, 3, 4)."""
+    return [
+        (poses[..., k, :, :3].copy(), poses[..., k, :, 3].copy()) for k in range(poses.shape[-3])
+    ]

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A skeleton poses the bones of a muscle, whatever their links are called and how they stand."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from random_urdfs import joint, link, random_urdf, robot
+
+from linkedplane_ros import Skeleton, SkeletonError
+from linkedplane_ros.skeleton.skeleton import parse_bone_links
+
+PLACE = '<origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><axis xyz="0 0 2"/>'
+ARM = robot(
+    *(link(name) for name in ('left/scapula', 'left/humerus', 'left/ulna')),
+    joint('left/shoulder', 'revolute', 'left/scapula', 'left/humerus', PLACE),
+    joint('left/elbow', 'prismatic', 'left/humerus', 'left/ulna', PLACE),
+)
+LINKS = {'scapula': 'left/scapula', 'humerus': 'left/humerus'}
+# steps of 1e-5 rad or m: errors 1e-10 of the step's square and of rounding
+STEP, STEPPED = 1e-5, 1e-9
+
+
+@pytest.fixture
+def arm() -> Skeleton:
+    return Skeleton.from_urdf(ARM)
+
+
+def test_links_of_a_robot_with_a_prefix_are_the_bones(arm: Skeleton) -> None:
+    skeleton = arm.for_bones(['scapula', 'humerus'], LINKS)
+    assert skeleton.bones == ('scapula', 'humerus')
+    assert skeleton.links == ('left/scapula', 'left/humerus')
+    assert skeleton.coordinates == ('left/shoulder', 'left/elbow')
+    assert skeleton.moving == ('left/shoulder',)
+    assert skeleton.screws([0.3, 0.2]).shape == (2, 1, 6)
+    assert not skeleton.screws([0.3, 0.2])[1].any()
+
+
+def test_at_rest_all_bones_coincide_wherever_their_links_stand(arm: Skeleton) -> None:
+    for rest in ({}, {'left/shoulder': 0.7, 'left/elbow': 0.1}):
+        skeleton = arm.for_bones(['ground', 'moves'], dict(zip(
+            ('ground', 'moves'), ('left/humerus', 'left/ulna'), strict=True
+        )), rest)  # fmt: skip
+        q = [rest.get(name, 0.0) for name in skeleton.coordinates]
+        R, t = skeleton.pose(q)['moves']
+        np.testing.assert_allclose(R, np.eye(3), atol=1e-15)
+        np.testing.assert_allclose(t, 0.0, atol=1e-15)
+
+
+def test_a_bone_slides_along_the_axis_of_its_joint_by_metres(arm: Skeleton) -> None:
+    skeleton = arm.for_bones(['h', 'u'], {'h': 'left/humerus', 'u': 'left/ulna'})
+    R, t = skeleton.pose([0.9, 0.25])['u']
+    axis = np.array(Skeleton.from_urdf(ARM).pose([0.0, 0.0])['left/ulna'][0])[:, 2]
+    along = np.array(Skeleton.from_urdf(ARM).pose([0.0, 0.0])['left/humerus'][0]).T @ axis
+    np.testing.assert_allclose(R, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(t, 0.25 * along, atol=1e-15)
+    assert skeleton.kinds == ('revolute', 'prismatic')
+
+
+def test_two_bones_may_be_one_link(arm: Skeleton) -> None:
+    links = {**LINKS, 'clavicle': 'left/scapula'}
+    skeleton = arm.for_bones(['scapula', 'clavicle', 'humerus'], links)
+    R, t = skeleton.pose([1.0, 0.0])['clavicle']
+    assert (R == np.eye(3)).all()
+    assert not t.any()
+    assert not skeleton.screws([1.0, 0.0])[:, 0].any()
+
+
+@pytest.mark.parametrize(
+    ('given', 'reason'),
+    [
+        (
+            (['scapula', 'humerus'],),
+            "no link of that name for bone 'scapula'; its links are left/scapula; bone_links: "
+            'scapula:=LINK names another',
+        ),
+        (
+            (['pelvis'], {'pelvis': 'hip'}),
+            "no link 'hip' for bone 'pelvis'; its links are left/scapula, left/humerus, left/ulna; "
+            'bone_links: pelvis:=LINK names another',
+        ),
+        ((['scapula'], {**LINKS}), "bone_links: 'humerus' is no bone; those are scapula"),
+        ((['a', 'a'],), 'bones: a, a given, names that differ expected'),
+        (([],), 'bones: [] given, a list of names expected'),
+        (('scapula',), "bones: 'scapula' given, a list of names expected"),
+        ((['left/ulna'], {}, {'elbow': 1}), "rest: 'elbow' is no coordinate; those are left/sho"),
+        ((['left/ulna'], {}, {'left/elbow': np.nan}), 'rest: left/elbow is not a finite number'),
+    ],
+)
+def test_bones_that_it_does_not_have_are_refused(
+    arm: Skeleton, given: tuple[Any, ...], reason: str
+) -> None:
+    with pytest.raises(SkeletonError) as refused:
+        arm.for_bones(*given)
+    assert str(refused.value).startswith(f'robot_description: {reason}')
+
+
+@pytest.mark.parametrize(
+    ('q', 'reason'),
+    [
+        ([1.0], r'q: shape \(1,\) given, \(2,\) expected: left/shoulder, left/elbow'),
+        ([[1.0, 2.0]], r'q: shape \(1, 2\) given'),
+        ([1.0, np.inf], 'q: left/elbow is not a finite number'),
+        (['1', '2'], 'q: not an array of numbers'),
+        ([1j, 2], 'q: not an array of numbers'),
+        ([[1], [1, 2]], 'q: not an array of numbers'),
+        (None, 'q: not an array of numbers'),
+    ],
+)
+def test_what_are_no_values_of_the_coordinates_is_refused(
+    arm: Skeleton, q: Any, reason: str
+) -> None:
+    with pytest.raises(SkeletonError, match=reason):
+        arm.pose(q)
+    with pytest.raises(SkeletonError):
+        arm.pose_batch([q])
+
+
+@pytest.mark.parametrize('seed', range(100, 110))
+def test_a_screw_is_the_velocity_of_the_pose(seed: int) -> None:
+    whole = Skeleton.from_urdf(random_urdf(seed))
+    skeleton = whole.for_bones(whole.bones[:1:-1])
+    q = np.random.default_rng(seed).normal(size=len(skeleton.coordinates))
+    screws = skeleton.screws(q)
+    for i in range(len(q)):
+        step = STEP * np.eye(len(q))[i]
+        later, sooner, now = (skeleton.pose(q + s) for s in (step, -step, 0 * step))
+        for k, bone in enumerate(skeleton.bones[1:]):
+            (R1, t1), (R0, t0), (R, t) = later[bone], sooner[bone], now[bone]
+            turn, shift = (R1 - R0) / (2 * STEP) @ R.T, (t1 - t0) / (2 * STEP)
+            w, v = screws[i, k, :3], screws[i, k, 3:]
+            np.testing.assert_allclose(np.cross(w, np.eye(3)).T, turn, atol=STEPPED)
+            np.testing.assert_allclose(v + np.cross(w, t), shift, atol=1e-8)
+
+
+def test_a_batch_is_to_the_bit_its_single_poses() -> None:
+    skeleton = Skeleton.from_urdf(random_urdf(5))
+    values = np.random.default_rng(5).normal(size=(7, len(skeleton.coordinates)))
+    poses, screws = skeleton.pose_batch(values), skeleton.screws_batch(values)
+    for m, q in enumerate(values):
+        assert (screws[m] == skeleton.screws(q)).all()
+        for bone, (R, t) in skeleton.pose(q).items():
+            assert (poses[bone][0][m] == R).all()
+            assert (poses[bone][1][m] == t).all()
+    assert all(R.shape == (0, 3, 3) for R, _ in skeleton.pose_batch([]).values())
+    assert skeleton.screws_batch([]).shape == (0, *screws.shape[1:])
+
+
+def test_a_skeleton_is_its_urdf_and_its_bones(arm: Skeleton) -> None:
+    one, other = arm.for_bones(['left/ulna']), arm.for_bones(['left/humerus'])
+    assert one == Skeleton.from_urdf(ARM).for_bones(['left/ulna']) != other
+    assert len({one, other, pickle.loads(pickle.dumps(one))}) == 2
+
+
+def test_a_robot_of_one_link_stands_still() -> None:
+    skeleton = Skeleton.from_urdf(robot(link('base')))
+    assert skeleton.coordinates == ()
+    assert skeleton.pose([]) == {}
+    assert skeleton.screws([]).shape == (0, 0, 6)
+
+
+def test_bones_and_links_of_the_node_s_parameter_are_taken_apart() -> None:
+    entries = ['scapula:=left/scapula', ' humerus := b:c ']
+    assert parse_bone_links(entries) == {'scapula': 'left/scapula', 'humerus': 'b:c'}
+    for wrong in ('scapula', 'scapula:=', ':=b', 'a=b', ''):
+        with pytest.raises(SkeletonError, match='BONE:=LINK expected'):
+            parse_bone_links([wrong])
+    with pytest.raises(SkeletonError, match="bone 'a' is given twice"):
+        parse_bone_links(['a:=b', 'a:=c'])
+
+
+def test_limits_and_kinds_stand_beside_the_coordinates() -> None:
+    skeleton = Skeleton.load('hip')
+    assert skeleton.coordinates == ('hip_flexion', 'hip_adduction', 'hip_rotation')
+    assert skeleton.kinds == ('revolute',) * 3
+    assert skeleton.limits[0] == (-0.523599, 2.094395)
+    spinning = Skeleton.from_urdf(
+        robot(link('a'), link('b'), joint('j', 'continuous', 'a', 'b', PLACE))
+    )
+    assert spinning.limits == ((-np.inf, np.inf),)
