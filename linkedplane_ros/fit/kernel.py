@@ -146,7 +146,8 @@ def evaluate(
         theta, held = solve_theta(bands, neutral)
         c, s = cos(theta), sin(theta)
         if j < len(lengths):
-            muscle_state(muscle, rotation, bands, theta, held, lengths[j], moments[j], states[j])
+            filled = lengths[j], moments[j], states[j]
+            muscle_state(muscle, rotation, bands, theta, held, *filled, None)
         middle, along = ZERO, ZERO
         for i in range(n):
             band = bands[i]

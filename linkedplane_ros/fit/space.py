@@ -17,6 +17,7 @@ from ..linked_planes.layout import (
     RADIUS,
     pack_muscle,
 )
+from ..muscle.bones import Bones
 from ..muscle.definition import Definition, expand_frame
 from ..muscle.parts import METRES, RADIANS
 from ..types import Floats
@@ -117,5 +118,5 @@ def pack_definition(definition: Definition) -> Floats:
         metres * values['sphere.radius'],
         phi,
         np.zeros_like(phi),
-        expand_frame(definition.sphere_frame, len(phi)),
+        Bones().number_on_ball_joint(expand_frame(definition.sphere_frame, len(phi))),
     )

@@ -17,6 +17,7 @@ from .layout import (
     MOVING,
     NORMAL,
     Muscle,
+    band_bones,
     band_count,
     band_numbers,
     band_vectors,
@@ -52,13 +53,15 @@ class Band(NamedTuple):
     p: Vector  # from P to the sphere's centre
     A: Vector  # plane normal, unnormalised: A cos(theta) + B sin(theta)
     B: Vector
-    frame: int  # what the sphere moves with: MOVING, GROUND or HUMERUS
+    frame: int  # what the sphere moves with: MOVING or a bone
     x: Vector  # axes of a moving frame, for the sphere's motion
     y: Vector
     z: Vector
     lever: float  # |HM - P|
     skew: float  # (SC - P).x / (SC - P).y in that frame
     section: Section
+    origin_bone: int
+    insertion_bone: int
 
 
 @compiled
@@ -137,7 +140,9 @@ def bands_at(muscle: Muscle, rotation: Rotation) -> list[Band]:
             D, a, tP, tS, R, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
             AA, dot(A, B), BB, dot(cross(A, B), u), kind,
         )  # fmt: skip
-        bands.append(Band(S, u, p, A, B, frame, x, y, z, lever, skew, section))
+        from_bone, to_bone = band_bones(muscle, i)
+        band = Band(S, u, p, A, B, frame, x, y, z, lever, skew, section, from_bone, to_bone)
+        bands.append(band)
     return bands
 
 

@@ -4,11 +4,16 @@
 domega is an infinitesimal rotation of the humerus about the ground axes. What a band's length does
 has two parts: its own, at a fixed theta, and the one that every band shares because theta follows
 the pose, dtheta/domega = -(d2E/dtheta domega) / (d2E/dtheta2). A prime is d/dtheta.
+
+`motion` says what moves. None is the ball joint: the humerus turns, with the insertions and HM; all
+else stands. Otherwise it is one bone of a placed muscle that turns or slides (bones.py), and
+domega is that turn or slide.
 """
 
 from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
+from .bones import Motion, centre_moves, line_moves, normal_moves
 from .chain import Band, plane_at, state_at
 from .compilation import compiled
 from .layout import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Muscle, vector
@@ -29,17 +34,27 @@ from .vectors import (
 
 
 @compiled
-def tilt(band: Band, x: Vector) -> Vector:
-    """Return d(u.x)/domega for a fixed x across the line: u turns as its end S moves."""
-    return times(1.0 / band.section.D, cross(band.S, x))
+def ends_move(band: Band, motion: Motion | None, f: Vector) -> Vector:
+    """Return d(f.(S - P))/domega for a fixed f: S turns with the humerus."""
+    if motion is None:
+        return cross(band.S, f)
+    return line_moves(motion, band, f)
 
 
 @compiled
-def sphere_moves(band: Band, HM: Vector, f: Vector) -> Vector:
-    """Return d(f.C)/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5).
+def tilt(band: Band, motion: Motion | None, x: Vector) -> Vector:
+    """Return d(u.x)/domega for a fixed x across the line: u turns as its ends move."""
+    return times(1.0 / band.section.D, ends_move(band, motion, x))
+
+
+@compiled
+def sphere_moves(band: Band, HM: Vector, motion: Motion | None, f: Vector) -> Vector:
+    """Return d(f.(C - P))/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5).
 
     A sphere on the humerus turns with it, one on the ground stands still.
     """
+    if motion is not None:
+        return centre_moves(motion, band, HM, f)
     if band.frame == GROUND:
         return ZERO
     if band.frame == HUMERUS:
@@ -51,15 +66,18 @@ def sphere_moves(band: Band, HM: Vector, f: Vector) -> Vector:
 
 
 @compiled
-def first_turn(band: Band, N: Vector) -> Vector:
+def first_turn(band: Band, motion: Motion | None, N: Vector) -> Vector:
     """Return dpsi/domega of the first band's plane, which follows the reference normal N."""
     uN = cross(band.u, N)
-    return times(-dot(N, band.u) / dot(uN, uN), tilt(band, uN))
+    W = times(-dot(N, band.u) / dot(uN, uN), tilt(band, motion, uN))
+    if motion is None:
+        return W
+    return plus(W, times(1.0 / dot(uN, uN), normal_moves(motion, N, uN)))
 
 
 @compiled
 def next_turn(
-    W: Vector, dW: Vector, J: float, n: Vector, last: Band, band: Band
+    W: Vector, dW: Vector, J: float, n: Vector, last: Band, band: Band, motion: Motion | None
 ) -> tuple[Vector, Vector]:
     """Return dpsi/domega of a band's plane, at a fixed theta, and its prime.
 
@@ -70,10 +88,11 @@ def next_turn(
     k = 1.0 / max(eps * eps + mu * mu, 1e-300)  # 1 / (1 - nu^2)
     eps_D, last_nu_D, nu_D = eps / last.section.D, nu / last.section.D, nu / band.section.D
     # mu W + eps tilt(last, n) - nu tilt(band, u x n), and its prime
-    top = mix(mu, W, eps_D, cross(last.S, n))
-    top = minus(top, times(nu_D, cross(band.S, cross(band.u, n))))
-    dlast = cross(last.S, mix(eps_D, e, -last_nu_D, n))
-    dband = cross(band.S, cross(band.u, mix(nu_D, e, eps / band.section.D, n)))
+    top = mix(mu, W, eps_D, ends_move(last, motion, n))
+    top = minus(top, times(nu_D, ends_move(band, motion, cross(band.u, n))))
+    dlast = ends_move(last, motion, mix(eps_D, e, -last_nu_D, n))
+    dband = cross(band.u, mix(nu_D, e, eps / band.section.D, n))
+    dband = ends_move(band, motion, dband)
     dtop = blend(mu, dW, J, dlast, -J, dband)
     return times(k, top), mix(k, dtop, 2.0 * nu * eps * J * k * k, top)
 
@@ -81,7 +100,7 @@ def next_turn(
 @compiled
 def pull(
     band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
-    dW: Vector,
+    dW: Vector, motion: Motion | None,
 ) -> tuple[float, float, float, Vector, Vector]:  # fmt: skip
     """Return a wrapped band's L (m), dL/dpsi, d2L/dpsi2 and, at fixed theta, dL/domega, its prime.
 
@@ -108,21 +127,23 @@ def pull(
     dend = blend(-t2e * turn_2, u, t2u * turn_2 + h_D * J, e, dh_D - J * t2e, n)
     push = blend(open_u, u, open_e, e, -off, n)
     dpush = blend(dopen_u, u, dopen_e - J * off, e, -J * open_e - doff, n)
-    g = blend(1.0, cross(band.S, end), 1.0, sphere_moves(band, HM, push), Lpsi, W)
-    dg = plus(cross(band.S, dend), sphere_moves(band, HM, dpush))
+    g = blend(1.0, ends_move(band, motion, end), 1.0, sphere_moves(band, HM, motion, push), Lpsi, W)
+    dg = plus(ends_move(band, motion, dend), sphere_moves(band, HM, motion, dpush))
     dg = blend(1.0, dg, Lpsi2 * J, W, Lpsi, dW)
     return section.tP + r * arc + section.tS, Lpsi, Lpsi2, g, dg
 
 
 @compiled
 def edge_follows(
-    band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector
-) -> Vector:
+    band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
+    motion: Motion | None,
+) -> Vector:  # fmt: skip
     """Return dtheta/domega where theta keeps a band at the edge of its sphere: d, or b, stays."""
     d, b, J, _ = plane
     if abs(d) < (1.0 - 1e-6) * band.section.R:  # the edge at b = 0: e for n, -d for b
         n, b = cross(band.u, n), -d
-    drift = minus(sphere_moves(band, HM, n), times(band.section.a, tilt(band, n)))
+    tilted = times(band.section.a, tilt(band, motion, n))
+    drift = minus(sphere_moves(band, HM, motion, n), tilted)
     return times(-1.0 / (b * J), plus(drift, times(b, W)))
 
 
@@ -136,8 +157,12 @@ def muscle_state(
     lengths: list[float],
     moments: list[float],
     states: list[int],
+    motion: Motion | None,
 ) -> None:
-    """Fill in lengths (n, m), moment vectors (3 n, m, ground axes) and wrap states (n)."""
+    """Fill in lengths (n, m), moment vectors (3 n, m, ground axes) and wrap states (n).
+
+    For a slide of a bone: forces (3 n) in place of moment vectors.
+    """
     HM = turned(rotation, vector(muscle, HUMERAL_POINT))
     c, s = cos(theta), sin(theta)
     Ett, Etw = 0.0, ZERO  # d2E/dtheta2 and d2E/dtheta domega
@@ -155,22 +180,22 @@ def muscle_state(
         band = bands[i]
         if i <= turning:
             if i == 0:
-                W = first_turn(band, vector(muscle, NORMAL))
+                W = first_turn(band, motion, vector(muscle, NORMAL))
             else:
-                W, dW = next_turn(W, dW, J, n, last, band)
+                W, dW = next_turn(W, dW, J, n, last, band, motion)
             n = mix(c, band.A, s, band.B)
             n = times(1.0 / norm(n), n)
             last, J = band, planes[i][2]
         if states[i] == WRAPPED:
-            lengths[i], Lpsi, Lpsi2, g, dg = pull(band, HM, n, planes[i], W, dW)
+            lengths[i], Lpsi, Lpsi2, g, dg = pull(band, HM, n, planes[i], W, dW, motion)
             shared[i] = Lpsi * J
             Ett += Lpsi2 * J * J + Lpsi * planes[i][3]
             Etw = plus(Etw, dg)
         else:
             lengths[i] = band.section.D
-            g = cross(band.S, band.u)
+            g = ends_move(band, motion, band.u)
         if i == held:
-            follow = edge_follows(band, HM, n, planes[i], W)
+            follow = edge_follows(band, HM, n, planes[i], W, motion)
         moments[3 * i], moments[3 * i + 1], moments[3 * i + 2] = g
     if held < 0 and Ett > 0.0:
         follow = times(-1.0 / Ett, Etw)

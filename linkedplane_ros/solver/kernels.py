@@ -46,7 +46,7 @@ def solve_poses(
             return k, NO_PLANE, len(bands)
         theta, held = solve_theta(bands, neutral)
         thetas[k] = theta
-        muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k])
+        muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k], None)
     return stop, SOLVED, 0
 
 

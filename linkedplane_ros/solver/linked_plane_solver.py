@@ -20,6 +20,7 @@ from ..joints.rotations import FAULTS, as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
 from ..linked_planes.compilation import COMPILED
 from ..linked_planes.layout import pack_muscle
+from ..muscle.bones import Bones
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats
 from .batches import run_kernel
@@ -279,6 +280,6 @@ def pack_broad_muscle(muscle: BroadMuscle) -> Any:
         muscle.sphere_radii,
         np.cos(muscle.plane_angles),
         np.sin(muscle.plane_angles),
-        muscle.sphere_frames,
+        Bones().number_on_ball_joint(muscle.sphere_frames),
     )
     return numbers if COMPILED else numbers.tolist()
