@@ -76,7 +76,7 @@ def as_rotation(rotation: npt.ArrayLike) -> Floats:
 
 def as_matrix(rotation: npt.ArrayLike) -> Floats:
     """Return a copy of a (3, 3) matrix of any numbers; LinkedPlaneError for anything else."""
-    matrix = _as_floats('rotation', rotation, '(3, 3)')
+    matrix = as_floats('rotation', rotation, '(3, 3)')
     if matrix.shape != (3, 3):
         raise LinkedPlaneError(f'rotation: shape {matrix.shape} given, (3, 3) expected')
     return matrix
@@ -84,7 +84,7 @@ def as_matrix(rotation: npt.ArrayLike) -> Floats:
 
 def as_matrices(rotations: npt.ArrayLike) -> Floats:
     """Return a copy of (m, 3, 3) matrices of any numbers; m may be 0."""
-    matrices = _as_floats('rotations', rotations, '(m, 3, 3)')
+    matrices = as_floats('rotations', rotations, '(m, 3, 3)')
     if matrices.shape == (0,):
         matrices = np.empty((0, 3, 3))
     if matrices.ndim != 3 or matrices.shape[1:] != (3, 3):
@@ -92,7 +92,8 @@ def as_matrices(rotations: npt.ArrayLike) -> Floats:
     return matrices
 
 
-def _as_floats(name: str, values: npt.ArrayLike, expected: str) -> Floats:
+def as_floats(name: str, values: npt.ArrayLike, expected: str) -> Floats:
+    """Return a copy of an array of numbers; LinkedPlaneError, which names it, for others."""
     if isinstance(values, np.ndarray) and values.dtype == np.float64:
         return values.copy()
     try:

@@ -22,23 +22,24 @@ Integers = npt.NDArray[np.int64]
 STILL, TURNING, SLIDING = range(3)
 
 
-class Chain(NamedTuple):
-    """A tree of j joints and the bones it moves, as arrays; joint i's child is link i + 1."""
+PARENT, KIND, SOURCE = range(3)  # of a joint's integers
+AXIS, FACTOR, OFFSET, NUMBERS = (
+    12,
+    15,
+    16,
+    17,
+)  # where they start in its numbers; its place is first
 
-    parents: Integers
-    """(j,) the link that a joint hangs from, before its own; 0 is the root."""
-    kinds: Integers
-    """(j,) STILL, TURNING or SLIDING."""
-    places: Floats
-    """(j, 3, 4) the joint's frame in its parent link."""
-    axes: Floats
-    """(j, 3) of length 1, in the joint's frame."""
-    sources: Integers
-    """(j,) the coordinate that moves a joint, -1 if none does."""
-    factors: Floats
-    """(j,) what a joint takes of its coordinate,"""
-    offsets: Floats
-    """(j,) and what it has beside."""
+
+class Chain(NamedTuple):
+    """A tree of j joints and the bones it moves, as the kernel takes it."""
+
+    joints: Integers
+    """(j, 3) of joint i, which moves link i + 1: the link that it hangs from, an earlier one or the
+    root, 0; STILL, TURNING or SLIDING; the coordinate that moves it, -1 if none does."""
+    numbers: Floats
+    """(j, NUMBERS) its frame in its parent link, as (3, 4); its unit axis; factor and offset of its
+    value, of the coordinate's."""
     bones: Integers
     """(1 + k,) the bones' links, the ground's first."""
     frames: Floats
@@ -82,19 +83,19 @@ def fill_pose(pose: Any, rotation: Rotation, point: Vector) -> None:
 
 
 @compiled
-def move_links(chain: Chain, values: Any, links: Any, screws: Any) -> None:
+def move_links(joints: Any, numbers: Any, values: Any, links: Any, screws: Any) -> None:
     """Fill in the links' poses (j + 1, 3, 4) and the joints' screws (j, 6), in the root's frame."""
     fill_pose(links[0], ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
-    for i in range(len(chain.parents)):
-        parent = links[chain.parents[i]]
-        R, o = matrix_rows(parent), column(parent, 3)
-        o = plus(o, turned(R, column(chain.places[i], 3)))
-        R = product(R, matrix_rows(chain.places[i]))
-        source, kind = chain.sources[i], chain.kinds[i]
-        q = chain.offsets[i]
+    for i in range(len(joints)):
+        parent, kind, source = joints[i, PARENT], joints[i, KIND], joints[i, SOURCE]
+        n = numbers[i]
+        R, o = matrix_rows(links[parent]), column(links[parent], 3)
+        o = plus(o, turned(R, (n[3], n[7], n[11])))
+        R = product(R, ((n[0], n[1], n[2]), (n[4], n[5], n[6]), (n[8], n[9], n[10])))
+        q = n[OFFSET]
         if source >= 0:
-            q += chain.factors[i] * values[source]
-        axis = chain.axes[i, 0], chain.axes[i, 1], chain.axes[i, 2]
+            q += n[FACTOR] * values[source]
+        axis = n[AXIS], n[AXIS + 1], n[AXIS + 2]
         w, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if kind == TURNING:
             w = turned(R, axis)
@@ -109,33 +110,46 @@ def move_links(chain: Chain, values: Any, links: Any, screws: Any) -> None:
 
 
 @entry
-def pose_bones(chain: Chain, values: Any, poses: Any, screws: Any) -> None:
-    """Fill in poses (m, k, 3, 4) and screws (m, d, k, 6) at values (m, d), in the ground's frame.
+def pose_bones(
+    joints: Integers,
+    numbers: Floats,
+    bones: Integers,
+    frames: Floats,
+    ways: Integers,
+    values: Floats,
+    rotations: Floats,
+    points: Floats,
+    screws: Floats,
+) -> None:
+    """Fill in poses (m, k, 3, 3), (m, k, 3) and screws (m, d, k, 6) at values (m, d).
+
+    All are in the ground's frame; `joints` to `ways` are the chain's.
 
     T_k = T_ground^-1 T_link T_frame. The screw of a coordinate is the sum of those of the joints
     that it moves, less the ground's own motion: what the bone does, seen from the ground.
     """
-    joints = len(chain.parents)
-    links, own = np.empty((joints + 1, 3, 4)), np.empty((joints, 6))
+    links, own = np.empty((len(joints) + 1, 3, 4)), np.empty((len(joints), 6))
     for m in range(len(values)):
-        move_links(chain, values[m], links, own)
-        ground = links[chain.bones[0]]
-        G, g = transposed(matrix_rows(ground)), column(ground, 3)
-        for k in range(len(chain.frames)):
-            link = links[chain.bones[k + 1]]
+        move_links(joints, numbers, values[m], links, own)
+        G, g = transposed(matrix_rows(links[bones[0]])), column(links[bones[0]], 3)
+        for k in range(len(frames)):
+            link = links[bones[k + 1]]
             R, o = matrix_rows(link), column(link, 3)
-            o = minus(plus(o, turned(R, column(chain.frames[k], 3))), g)
-            R = product(R, matrix_rows(chain.frames[k]))
-            fill_pose(poses[m, k], product(G, R), turned(G, o))
+            o = minus(plus(o, turned(R, column(frames[k], 3))), g)
+            R = product(R, matrix_rows(frames[k]))
+            R, o = product(G, R), turned(G, o)
+            for i in range(3):
+                points[m, k, i] = o[i]
+                rotations[m, k, i, 0], rotations[m, k, i, 1], rotations[m, k, i, 2] = R[i]
             screws[m, :, k, :] = 0.0
-            for i in range(joints):
-                sign = chain.ways[k, i]
-                if sign == 0 or chain.sources[i] < 0:
+            for i in range(len(joints)):
+                source, sign = joints[i, SOURCE], ways[k, i]
+                if sign == 0 or source < 0:
                     continue
-                s = sign * chain.factors[i]
+                s = sign * numbers[i, FACTOR]
                 w = own[i, 0], own[i, 1], own[i, 2]
                 v = plus((own[i, 3], own[i, 4], own[i, 5]), cross(w, g))
                 w, v = turned(G, w), turned(G, v)
                 for c in range(3):
-                    screws[m, chain.sources[i], k, c] += s * w[c]
-                    screws[m, chain.sources[i], k, 3 + c] += s * v[c]
+                    screws[m, source, k, c] += s * w[c]
+                    screws[m, source, k, 3 + c] += s * v[c]

@@ -10,7 +10,7 @@ import numpy as np
 from ..joints.rotations import rotation_about
 from ..types import Floats, Point, Triple
 from .joint_tree import FIXED, PRISMATIC, Joint, JointTree
-from .kinematics import SLIDING, STILL, TURNING, Chain
+from .kinematics import NUMBERS, SLIDING, STILL, TURNING, Chain
 
 X, Y, Z = np.eye(3)
 SAME_FRAME = np.eye(3, 4)
@@ -28,14 +28,17 @@ def pack_tree(tree: JointTree, bones: Sequence[str]) -> Chain:
         above[i + 1] = above[parent]
         above[i + 1, i] = 1
     places = [links[bone] for bone in bones]
+    integers = [
+        (parent, kind_number(joint), numbers.get(source, -1))
+        for parent, joint, (source, _, _) in zip(parents, joints, sources, strict=True)
+    ]
+    floats = [
+        [*joint_place(joint.xyz, joint.rpy).ravel(), *unit_joint_axis(joint), factor, offset]
+        for joint, (_, factor, offset) in zip(joints, sources, strict=True)
+    ]
     return Chain(
-        np.array(parents, dtype=np.int64),
-        np.array([kind_number(joint) for joint in joints], dtype=np.int64),
-        np.array([joint_place(joint.xyz, joint.rpy) for joint in joints]).reshape(-1, 3, 4),
-        np.array([unit_joint_axis(joint) for joint in joints]).reshape(-1, 3),
-        np.array([numbers.get(name, -1) for name, _, _ in sources], dtype=np.int64),
-        np.array([factor for _, factor, _ in sources], dtype=np.float64),
-        np.array([offset for _, _, offset in sources], dtype=np.float64),
+        np.array(integers, dtype=np.int64).reshape(-1, 3),
+        np.array(floats, dtype=np.float64).reshape(-1, NUMBERS),
         np.array(places, dtype=np.int64),
         np.repeat(SAME_FRAME[np.newaxis], len(bones) - 1, axis=0),
         above[places[1:]] - above[places[0]],
@@ -63,9 +66,3 @@ def joint_place(xyz: Point, rpy: Triple) -> Floats:
     roll, pitch, yaw = rpy
     rotation = rotation_about(Z, yaw) @ rotation_about(Y, pitch) @ rotation_about(X, roll)
     return np.column_stack([rotation, xyz])
-
-
-def inverse_pose(pose: Floats) -> Floats:
-    """Return the inverse of a pose (3, 4)."""
-    rotation = pose[:, :3].T
-    return np.column_stack([rotation, -rotation @ pose[:, 3]])

@@ -14,10 +14,11 @@ import numpy.typing as npt
 
 from ..errors import SkeletonError, describe_value
 from ..files import read_regular_file
+from ..joints.rotations import as_floats
 from ..types import Floats, Intervals
 from .joint_tree import JointTree, list_names
-from .kinematics import Chain, pose_bones
-from .packing import inverse_pose, pack_tree
+from .kinematics import FACTOR, SOURCE, Chain, pose_bones
+from .packing import pack_tree
 from .urdf import EXPAND, MOST_BYTES, parse_urdf
 
 Pose = tuple[Floats, Floats]
@@ -170,7 +171,7 @@ class Skeleton:
             f'{list_names(alike or self.tree.links)}; bone_links: {bone}:=LINK names another'
         )
 
-    @property
+    @cached_property
     def coordinates(self) -> tuple[str, ...]:
         """The names of the independent joints, d of them, as the URDF lists them."""
         return tuple(joint.name for joint in self.tree.independent)
@@ -189,7 +190,8 @@ class Skeleton:
     def moving(self) -> tuple[str, ...]:
         """The coordinates that move a bone against the ground: those that its muscle needs."""
         chain = self._chain
-        used = set(chain.sources[(chain.ways != 0).any(axis=0) & (chain.factors != 0.0)].tolist())
+        moves = (chain.ways != 0).any(axis=0) & (chain.numbers[:, FACTOR] != 0.0)
+        used = set(chain.joints[moves, SOURCE].tolist())
         return tuple(name for i, name in enumerate(self.coordinates) if i in used)
 
     def pose(self, q: npt.ArrayLike) -> dict[str, Pose]:
@@ -258,8 +260,9 @@ class Skeleton:
             As `pose`.
 
         """
-        poses, screws = self._move(self._as_values(q, 'q')[np.newaxis])
-        return dict(zip(self.bones[1:], split_poses(poses[0]), strict=True)), screws[0]
+        rotations, points, screws = self._move(self._as_values(q)[np.newaxis])
+        poses = zip(rotations[0], points[0], strict=True)
+        return dict(zip(self.bones[1:], poses, strict=True)), screws[0]
 
     def pose_batch(self, q: npt.ArrayLike) -> dict[str, Pose]:
         """Return the poses at many values; each is, to the bit, that of `pose`.
@@ -280,12 +283,8 @@ class Skeleton:
             As `pose`.
 
         """
-        poses = self._move(self._as_batch(q))[0]
-        bones = (split_poses(poses[:, k : k + 1]) for k in range(len(self.bones) - 1))
-        return {
-            bone: (rotations, points)
-            for bone, [(rotations, points)] in zip(self.bones[1:], bones, strict=True)
-        }
+        rotations, points, _ = self._move(self._as_values(q, batch=True))
+        return {bone: (rotations[:, k], points[:, k]) for k, bone in enumerate(self.bones[1:])}
 
     def screws_batch(self, q: npt.ArrayLike) -> Floats:
         """Return the screws at many values; each is, to the bit, that of `screws`.
@@ -306,42 +305,29 @@ class Skeleton:
             As `pose`.
 
         """
-        return self._move(self._as_batch(q))[1]
+        return self._move(self._as_values(q, batch=True))[2]
 
-    def _as_values(self, q: npt.ArrayLike, name: str) -> Floats:
-        return self._as_finite(q, name, (len(self.coordinates),))
-
-    def _as_batch(self, q: npt.ArrayLike) -> Floats:
-        return self._as_finite(q, 'q', (-1, len(self.coordinates)))
-
-    def _as_finite(self, q: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
-        d = shape[-1]
-        expected = f'(m, {d})' if len(shape) > 1 else f'({d},)'
-        try:
-            array = np.array(q)
-            if array.dtype.kind not in 'fiu' and array.size:
-                raise TypeError
-            values = np.array(array, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise self.tree.fault(f'{name}: not an array of numbers; {expected} expected') from None
-        if values.shape == (0,) and len(shape) > 1:
+    def _as_values(self, q: npt.ArrayLike, name: str = 'q', batch: bool = False) -> Floats:
+        """Return values (d,), or (m, d), of the coordinates; an error but for finite numbers."""
+        d = len(self.coordinates)
+        expected = f'(m, {d})' if batch else f'({d},)'
+        values = as_floats(name, q, expected)
+        if batch and values.shape == (0,):
             values = values.reshape(0, d)
-        if values.ndim != len(shape) or values.shape[-1] != d:
-            raise self.tree.fault(
-                f'{name}: shape {values.shape} given, {expected} expected: '
-                f'{list_names(self.coordinates)}'
-            )
+        if values.ndim != 1 + batch or values.shape[-1] != d:
+            names = list_names(self.coordinates)
+            raise SkeletonError(f'{name}: shape {values.shape} given, {expected} expected: {names}')
         if not np.isfinite(values).all():
             i = int(np.argwhere(~np.isfinite(values))[0][-1])
-            raise self.tree.fault(f'{name}: {self.coordinates[i]} is not a finite number')
+            raise SkeletonError(f'{name}: {self.coordinates[i]} is not a finite number')
         return values
 
-    def _move(self, values: Floats) -> tuple[Floats, Floats]:
-        """Return poses (m, k, 3, 4) and screws (m, d, k, 6) of values (m, d)."""
+    def _move(self, values: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return rotations (m, k, 3, 3), points (m, k, 3) and screws (m, d, k, 6) of the bones."""
         (m, d), k = values.shape, len(self.bones) - 1
-        poses, screws = np.empty((m, k, 3, 4)), np.empty((m, d, k, 6))
-        pose_bones(self._chain, values, poses, screws)
-        return poses, screws
+        moved = np.empty((m, k, 3, 3)), np.empty((m, k, 3)), np.empty((m, d, k, 6))
+        pose_bones(*self._chain, values, *moved)
+        return moved
 
     @cached_property
     def _chain(self) -> Chain:
@@ -349,10 +335,11 @@ class Skeleton:
         chain = pack_tree(self.tree, self.links)
         if self.rest is None:
             return chain
-        poses = np.empty((1, len(chain.frames), 3, 4))
-        screws = np.empty((1, len(self.rest), len(chain.frames), 6))
-        pose_bones(chain, np.array([self.rest]), poses, screws)
-        frames = [inverse_pose(pose) for pose in poses[0]]
+        plain = replace(self, rest=None)
+        rotations, points, _ = plain._move(np.array([self.rest]))
+        frames = [
+            np.column_stack([R.T, -R.T @ t]) for R, t in zip(rotations[0], points[0], strict=True)
+        ]
         return chain._replace(frames=np.array(frames).reshape(-1, 3, 4))
 
 
@@ -377,10 +364,3 @@ def parse_bone_links(entries: Iterable[str]) -> dict[str, str]:
             raise SkeletonError(f'bone_links: bone {bone!r} is given twice')
         links[bone] = link
     return links
-
-
-def split_poses(poses: Floats) -> list[Pose]:
-    """Return rotations (..., 3, 3) and points (..., 3) of each of k poses (..., k, 3, 4)."""
-    return [
-        (poses[..., k, :, :3].copy(), poses[..., k, :, 3].copy()) for k in range(poses.shape[-3])
-    ]
