@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..errors import SkeletonError, describe_value
+from ..errors import LONGEST, SkeletonError, describe_value
 from ..types import Interval, Point, Triple
 
 FIXED, PRISMATIC = 'fixed', 'prismatic'
@@ -81,6 +81,10 @@ class JointTree:
         """Return the error for the tree."""
         return SkeletonError(f'{self.name}: {reason}')
 
+    def joint_fault(self, joint: Joint, reason: str) -> SkeletonError:
+        """Return the error for a joint of the tree."""
+        return self.fault(f'joint {describe_value(joint.name)}: {reason}')
+
     @property
     def root(self) -> str:
         """The link that is no joint's child."""
@@ -115,11 +119,11 @@ class JointTree:
         while at.mimic is not None:
             followed = self._named.get(at.mimic.joint)
             if followed is None:
-                raise self.fault(
-                    f'joint {at.name!r}: mimics {at.mimic.joint!r}, which is no joint of it'
-                )
+                missing = describe_value(at.mimic.joint)
+                raise self.joint_fault(at, f'mimics {missing}, which is no joint of it')
             if followed.kind == FIXED:
-                raise self.fault(f'joint {at.name!r}: mimics {followed.name!r}, which is fixed')
+                fixed = describe_value(followed.name)
+                raise self.joint_fault(at, f'mimics {fixed}, which is fixed')
             if followed.name in seen:
                 way = list(seen)
                 circle = list_names(way[way.index(followed.name) :])
@@ -129,7 +133,9 @@ class JointTree:
             seen[followed.name] = None
             at = followed
         if not (math.isfinite(factor) and math.isfinite(offset)):
-            raise self.fault(f'joint {joint.name!r}: what it mimics gives no finite number')
+            raise self.fault(
+                f'joint {describe_value(joint.name)}: what it mimics gives no finite number'
+            )
         return at.name, factor, offset
 
     @cached_property
@@ -139,7 +145,8 @@ class JointTree:
     def _check_names(self, what: str, names: Sequence[str]) -> None:
         repeated = [name for name, count in Counter(names).items() if count > 1]
         if repeated:
-            raise self.fault(f'{what} {repeated[0]!r}: given twice; names that differ expected')
+            given = f'{what} {describe_value(repeated[0])}: given twice'
+            raise self.fault(f'{given}; names that differ expected')
 
     def _check_ends(self) -> None:
         """Refuse joints whose links are not there, and links with two parents."""
@@ -148,13 +155,16 @@ class JointTree:
         for joint in self.joints:
             for end, link in ('parent', joint.parent), ('child', joint.child):
                 if link not in known:
-                    raise self.fault(f'joint {joint.name!r}: its {end} {link!r} is no link of it')
+                    missing = describe_value(link)
+                    raise self.joint_fault(joint, f'its {end} {missing} is no link of it')
+            child = describe_value(joint.child)
             if joint.parent == joint.child:
-                raise self.fault(f'joint {joint.name!r}: parent and child are both {joint.child!r}')
+                raise self.joint_fault(joint, f'parent and child are both {child}')
             if joint.child in owner:
+                names = (describe_value(each.name) for each in (owner[joint.child], joint))
+                both = ' and '.join(names)
                 raise self.fault(
-                    f'link {joint.child!r}: the child of joints {owner[joint.child].name!r} and '
-                    f'{joint.name!r}, a loop; a tree expected'
+                    f'link {child}: the child of joints {both}, a loop; a tree expected'
                 )
             owner[joint.child] = joint
 
@@ -182,8 +192,10 @@ class JointTree:
 def list_names(names: Iterable[str], most: int = 8) -> str:
     """Return names as messages list them: the first few, in quotes where they need them."""
     names = list(names)
-    shown = ', '.join(
-        name if name.isprintable() and ' ' not in name else describe_value(name)
-        for name in names[:most]
-    )
+    shown = ', '.join(name if is_plain(name) else describe_value(name) for name in names[:most])
     return shown + (f' and {len(names) - most} more' if len(names) > most else '')
+
+
+def is_plain(name: str) -> bool:
+    """Return whether a name can stand in a list without quotes."""
+    return name.isprintable() and ' ' not in name and len(name) < LONGEST

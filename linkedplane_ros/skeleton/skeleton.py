@@ -167,7 +167,7 @@ class Skeleton:
         named = 'of that name' if link == bone else describe_value(link)
         alike = [each for each in self.tree.links if link in each]
         raise self.tree.fault(
-            f'no link {named} for bone {bone!r}; its links are '
+            f'no link {named} for bone {describe_value(bone)}; its links are '
             f'{list_names(alike or self.tree.links)}; bone_links: {bone}:=LINK names another'
         )
 
@@ -361,6 +361,6 @@ def parse_bone_links(entries: Iterable[str]) -> dict[str, str]:
         if not (bone and given and link):
             raise SkeletonError(f'bone_links: {describe_value(text)} given, BONE:=LINK expected')
         if bone in links:
-            raise SkeletonError(f'bone_links: bone {bone!r} is given twice')
+            raise SkeletonError(f'bone_links: bone {describe_value(bone)} is given twice')
         links[bone] = link
     return links

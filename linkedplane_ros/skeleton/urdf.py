@@ -75,6 +75,8 @@ def local_name(element: Element) -> str:
 
 
 def _parse_xml(name: str, text: str | bytes) -> Element:
+    if not isinstance(text, (str, bytes)):
+        raise SkeletonError(f'{name}: {describe_value(text)} given, the text of a URDF expected')
     if len(text) > MOST_BYTES:
         most = f'{MOST_BYTES / 2**20:g} MiB'
         raise SkeletonError(f'{name}: larger than {most}, the most that is read')
@@ -87,7 +89,8 @@ def _parse_xml(name: str, text: str | bytes) -> Element:
     except SkeletonError as error:
         raise SkeletonError(f'{name}: {error}') from None
     except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise SkeletonError(f'{name}: not valid XML: {error}; a URDF expected') from None
+        expected = EXPAND if 'unbound prefix' in str(error) else 'a URDF expected'
+        raise SkeletonError(f'{name}: not valid XML: {error}; {expected}') from None
 
 
 def _refuse_xacro(name: str, robot: Element) -> None:
@@ -116,8 +119,8 @@ def _read_joint(file: str, i: int, element: Element) -> Joint:
     joint = _Reader(f'{file}: joint {describe_value(name)}', element)
     kind = joint.read_kind()
     axis = joint.read_triple('axis', 'xyz', (1.0, 0.0, 0.0))
-    if kind != FIXED and not 0.0 < math.hypot(*axis) < math.inf:
-        raise joint.fault(f'axis: xyz is {axis}; a direction, not of length 0, expected')
+    if kind != FIXED and not any(axis):
+        raise joint.fault('axis: xyz is 0 0 0; a direction expected')
     return Joint(
         name,
         kind,

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from random_urdfs import joint, link, robot
 
@@ -100,7 +101,7 @@ NO_TREES = {
         hinge('<mimic joint="j" multiplier="twice"/>'),
         "joint 'j': mimic: multiplier: 'twice' given, a number expected",
     ),
-    'an axis of no length': (hinge('<axis xyz="0 0 0"/>'), "joint 'j': axis: xyz is (0.0, 0.0, 0"),
+    'an axis of no length': (hinge('<axis xyz="0 0 0"/>'), "joint 'j': axis: xyz is 0 0 0; a "),
     'an axis of NaN': (
         hinge('<axis xyz="0 nan 0"/>'),
         "joint 'j': axis: xyz: nan given, a finite number expected",
@@ -108,6 +109,19 @@ NO_TREES = {
     'a place out of range': (
         hinge('<origin xyz="1e999 0 0"/>'),
         "joint 'j': origin: xyz: 1e999 given, a finite number expected",
+    ),
+    'a factor out of range': (
+        robot(
+            ABC + link('d'),
+            joint('p', 'revolute', 'a', 'b'),
+            joint('q', 'revolute', 'b', 'c', '<mimic joint="p" multiplier="1e200"/>'),
+            joint('r', 'revolute', 'c', 'd', '<mimic joint="q" multiplier="1e200"/>'),
+        ),
+        "joint 'r': what it mimics gives no finite number",
+    ),
+    'no number': (
+        hinge('<origin xyz="0x1 0 0"/>'),
+        "joint 'j': origin: xyz: '0x1' given, a number expected",
     ),
     'two numbers': (
         hinge('<origin xyz="1 2"/>'),
@@ -148,6 +162,18 @@ NO_TREES = {
     ),
     'an expression': (hinge('<origin xyz="0 0 ${length}"/>'), "has '0 0 ${length}' in it; expand"),
     'an argument': (robot(link('$(arg prefix)a')), "has '$(arg prefix)a' in it; expand it"),
+    'a macro without its namespace': (
+        '<robot><xacro:arm/></robot>',
+        'not valid XML: unbound prefix: line 1, column 7; expand it: ros2 run xacro',
+    ),
+    'a link of a very long name': (
+        robot(link('x' * 100_000), link('x' * 100_000)),
+        f"link '{'x' * 96}...: given twice; names that differ expected",
+    ),
+    'a link of two lines': (
+        robot(link('a&#10;b'), link('a&#10;b')),
+        r"link 'a\nb': given twice; names that differ expected",
+    ),
     'bones that are no links': (
         robot(AB, joint('j', 'fixed', 'a', 'b'), '<linkedplane_ros bones="a x"/>'),
         "no link of that name for bone 'x'; its links are a, b; bone_links: x:=LINK names another",
@@ -183,9 +209,40 @@ def test_bytes_that_are_no_text_are_refused() -> None:
     for content in (b'\x89PNG\r\n\x1a\n\0\0', b'\xff\xfe', b'<robot name="\xff"/>', b'\0' * 99):
         with pytest.raises(SkeletonError, match=r'^file: not valid XML'):
             Skeleton.from_urdf(content, 'file')
+    for content in (None, 5, ['<robot/>']):
+        with pytest.raises(SkeletonError, match='given, the text of a URDF expected'):
+            Skeleton.from_urdf(content)  # type: ignore[arg-type]
     unknown = b'<?xml version="1.0" encoding="klingon"?><robot><link name="a"/></robot>'
     with pytest.raises(SkeletonError, match=r'^file: not valid XML'):
         Skeleton.from_urdf(unknown, 'file')
+
+
+@pytest.mark.parametrize('encoding', ['utf-8', 'utf-8-sig', 'utf-16', 'latin-1'])
+def test_a_urdf_is_read_in_the_encoding_that_it_declares(encoding: str) -> None:
+    declared = encoding.removesuffix('-sig')
+    text = f'<?xml version="1.0" encoding="{declared}"?>{robot(link("épaule"))}'
+    assert Skeleton.from_urdf(text.encode(encoding)).bones == ('épaule',)
+    assert Skeleton.from_urdf(text).bones == ('épaule',)
+
+
+def test_numbers_are_read_as_xml_schema_writes_them() -> None:
+    inside = '<origin xyz=" .5\n1.\t+1e-3 "/><axis xyz="1e-300 5e-324 1.7e308"/>'
+    skeleton = Skeleton.from_urdf(robot(AB, joint('j', 'continuous', 'a', 'b', inside)))
+    R, t = skeleton.pose([0.3])['b']
+    assert t.tolist() == [0.5, 1.0, 0.001]
+    assert abs(R[0, 0] - np.cos(0.3)) < 1e-15
+
+
+def test_elements_of_other_programs_are_passed_over() -> None:
+    others = (
+        '<!-- no --><transmission name="t"><joint name="j"/><joint name="j"/></transmission>'
+        '<gazebo><link name="a"/></gazebo><ros2_control><joint name="j" type="?"/></ros2_control>'
+        '<material name="${m}"/>'
+    )
+    text = robot(AB, others, joint('j', 'fixed', 'a', 'b', '<mimic joint="?"/><axis xyz="0 0 0"/>'))
+    assert Skeleton.from_urdf(text).bones == ('a', 'b')
+    text = text.replace('<robot ', '<robot xmlns="http://www.ros.org" ')
+    assert Skeleton.from_urdf(text).bones == ('a', 'b')
 
 
 def test_a_deeply_nested_document_is_read_or_refused() -> None:
