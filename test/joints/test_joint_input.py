@@ -17,6 +17,7 @@ from linkedplane_ros.joints.joint_state import (
     REASONS,
     JointMap,
     JointMemory,
+    OtherJoints,
     Rejected,
     summarize_names,
 )
@@ -41,9 +42,9 @@ def refusal(memory: JointMemory, *message: Any) -> tuple[str, str]:
 
 
 def test_an_angle_is_sign_times_position_plus_offset() -> None:
-    memory = JointMemory(JointMap(NAMES, (1.0, -1.0, -1.0), (0.5, 0.0, -0.25)))
+    memory = JointMemory(JointMap(NAMES, (1.0, -1.0, -1.0), (0.5, 0.75, -0.25)))
     angles, speeds, warning = memory.take_message(NAMES, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0))
-    assert angles == (0.1 + 0.5, -0.2, -0.3 - 0.25)
+    assert angles == (0.1 + 0.5, 0.75 - 0.2, -0.3 - 0.25)
     assert speeds is not None
     assert speeds == (1.0, -2.0, -3.0)
     assert warning == ''
@@ -213,10 +214,35 @@ def test_unusable_velocities_are_left_out_with_a_warning_and_not_remembered(
         (1, "'a'"),
         (6, "'a', 'b', 'c', 'd', 'e', 'f'"),
         (8, "'a', 'b', 'c', 'd', 'e', 'f' and 2 more"),
+        (13, "'a', 'b', 'c', 'd', 'e', 'f' and 7 more"),
     ],
 )
 def test_a_list_of_names_is_cut_short(count: int, text: str) -> None:
-    assert summarize_names('abcdefgh'[:count]) == text
+    assert summarize_names('abcdefghijklm'[:count]) == text
+
+
+def test_of_several_faults_the_first_joints_is_told(memory: JointMemory) -> None:
+    reason, line = refusal(memory, NAMES, (0.1, math.inf, 90.0), ())
+    assert (reason, line) == ('not_finite', "joint 'abduction' is inf; a finite angle expected")
+    reason, line = refusal(memory, NAMES, (90.0, math.inf, 0.3), ())
+    assert (reason, line[:20]) == ('degrees', "joint 'flexion' is 9")
+    warning = memory.take_message(NAMES, (0.1, 0.2, 0.3), (1.0, math.nan, math.inf))[2]
+    assert warning == "velocities left out: that of joint 'abduction' is nan"
+
+
+def test_the_fastest_velocity_of_a_joint_is_still_one(memory: JointMemory) -> None:
+    fast = (1e9, -1e9, 0.0)
+    assert memory.take_message(NAMES, (0.1, 0.2, 0.3), fast)[1:] == (fast, '')
+    assert memory.take_message(NAMES, (0.1, 0.2, 0.3), (math.nextafter(1e9, 2e9), 0.0, 0.0))[2]
+
+
+def test_other_joints_are_kept_apart_from_a_message_without_any(memory: JointMemory) -> None:
+    with pytest.raises(OtherJoints) as other:
+        memory.take_message(['elbow'], (0.1,), ())
+    assert (other.value.reason, other.value.names) == ('no_joint', "'elbow'")
+    with pytest.raises(Rejected) as empty:
+        memory.take_message([], (), ())
+    assert not isinstance(empty.value, OtherJoints)
 
 
 numbers = st.one_of(

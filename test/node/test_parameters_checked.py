@@ -18,9 +18,9 @@ from parameter_changes import (
     expected_answer,
 )
 
-from linkedplane_ros import JOINT_CONVENTIONS
+from linkedplane_ros import JOINT_CONVENTIONS, LinkedPlaneError
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.node.parameters import NAMES, SPECS
+from linkedplane_ros.node.parameters import NAMES, SPECS, ParameterSpec
 from linkedplane_ros.node.settings import Settings
 
 DEFAULTS = {spec.name: spec.default for spec in SPECS}
@@ -52,6 +52,31 @@ def test_a_wrong_value_is_refused_in_one_line_that_names_it_and_what_would_be_ri
         Settings.from_values({**DEFAULTS, name: value})
     assert right in str(caught.value)
     assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize('spec', [spec for spec in SPECS if spec.low is not None])
+def test_the_ends_of_a_range_are_within_it(spec: ParameterSpec) -> None:
+    kind = type(spec.default)
+    for end, beyond in ((spec.low, -1.0), (spec.high, 1.0)):
+        assert end is not None
+        assert spec.check(kind(end)) == end
+        with pytest.raises(LinkedPlaneError, match=f'{spec.low:g} to {spec.high:g} expected'):
+            spec.check(kind(end + beyond))
+
+
+def test_muscles_that_may_fail_are_left_out_with_their_reasons_as_long_as_one_is_left() -> None:
+    may_fail = {'biceps', 'triceps'}
+    given = ['biceps', 'deltoid', 'triceps', 'deltoid_ackland2008']
+    settings = Settings.from_values(DEFAULTS | {'muscle': given}, may_fail)
+    assert [solver.muscle.name for solver in settings.solvers] == given[1::2]
+    assert set(settings.left_out) == may_fail
+    for name, reason in settings.left_out.items():
+        assert f'{name!r} is neither a bundled model' in reason
+    for fails in (may_fail - {'triceps'}, set()):  # one of them may not
+        with pytest.raises(LinkedPlaneError, match='is neither a bundled model'):
+            Settings.from_values(DEFAULTS | {'muscle': given}, fails)
+    with pytest.raises(LinkedPlaneError, match=r"'biceps' is neither .*; .*'triceps' is neither"):
+        Settings.from_values(DEFAULTS | {'muscle': ['biceps', 'triceps', 'biceps']}, may_fail)
 
 
 def test_a_model_file_at_fault_is_named_in_the_refusal(tmp_path: Path) -> None:

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which joints are a convention's coordinates, with their signs and offsets."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from linkedplane_ros import LinkedPlaneError
+from linkedplane_ros.joints.joint_state import JointMap
+
+NAMES = ('flexion', 'abduction', 'rotation')
+
+
+@pytest.mark.parametrize('names', [('a', 'a', 'b'), ('a', 'b', 'a'), ('a', 'b', 'b'), ('a',) * 3])
+def test_two_coordinates_of_one_joint_are_refused(names: tuple[str, str, str]) -> None:
+    with pytest.raises(LinkedPlaneError, match=f'^joints {", ".join(names)}: 3 different joints'):
+        JointMap(names, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize('place', range(6))
+@pytest.mark.parametrize('value', [math.nan, math.inf])
+def test_signs_and_offsets_are_finite(place: int, value: float) -> None:
+    numbers = [1.0, -1.0, 1.0, 0.5, 0.0, -0.5]
+    numbers[place] = value
+    with pytest.raises(LinkedPlaneError, match=r'^signs .*, offsets .*: finite numbers expected'):
+        JointMap(NAMES, tuple(numbers[:3]), tuple(numbers[3:]))
+
+
+def test_a_joint_map_comes_back_from_the_facts_of_an_output() -> None:
+    joints = JointMap(("it's", 'b c', '\u00e4'), (1.0, -1.0, -1.0), (0.1, -2e-17, 3.0))
+    assert JointMap.from_facts(joints.facts) == joints
+    assert joints.facts['joint_signs'] == '1 -1 -1'
