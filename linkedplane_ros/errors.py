@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import reprlib
 from typing import Any
 
 LONGEST = 100  # characters of a value in a message
@@ -43,9 +44,31 @@ class FieldError(ModelError):
         return f'{self.owner}: {self.field}: {self.reason}'.removeprefix(': ')
 
 
+class _Shortener(reprlib.Repr):
+    """Looks at no more of a value than a message shows: it may be large, or nested without end."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 4
+        self.maxtuple = self.maxlist = self.maxdict = self.maxset = LONGEST
+        self.maxfrozenset = self.maxarray = self.maxdeque = LONGEST
+        self.maxstring = self.maxother = 10 * LONGEST
+
+    def repr1(self, x: Any, level: int) -> str:
+        """Return a value's text, NumPy's arrays and numbers as plain ones."""
+        return super().repr1(x.tolist() if hasattr(x, 'tolist') else x, level)
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Return a whole number, or how long it is: Python refuses to write very long ones."""
+        return repr(x) if x.bit_length() < 8 * LONGEST else f'<{x.bit_length()} bits>'
+
+
+SHORTENER = _Shortener()
+
+
 def describe_value(value: Any) -> str:
     """Return a value as messages show it: in one line, NumPy's arrays and numbers as plain ones."""
-    text = ' '.join(repr(as_plain(value)).split())
+    text = ' '.join(SHORTENER.repr(value).split())
     return text if len(text) <= LONGEST else f'{text[: LONGEST - 3]}...'
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import shutil
@@ -15,6 +16,76 @@ from .errors import LinkedPlaneError
 
 PART = '.part'  # the ending of the folder in which an output is written
 INTERRUPTIONS = (KeyboardInterrupt, SystemExit)
+
+
+KINDS = {  # of what is no regular file, and may never end
+    stat.S_IFIFO: 'a FIFO',
+    stat.S_IFSOCK: 'a socket',
+    stat.S_IFCHR: 'a device',
+    stat.S_IFBLK: 'a device',
+}
+MOST_BYTES = 2**20  # of a file that people write: a hundred times the largest model
+
+
+def require_regular(path: Path, error: type[LinkedPlaneError]) -> None:
+    """Refuse what is no regular file: reading it may never end, and opening it may wait for ever.
+
+    Parameters
+    ----------
+    path
+        The file; a link is followed. What is not there is left to whoever opens it.
+    error
+        What is raised for a folder, a FIFO, a socket or a device.
+    """
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return
+    check_mode(path, mode, error)
+
+
+def check_mode(path: Path, mode: int, error: type[LinkedPlaneError]) -> None:
+    """Refuse a file whose mode is not that of a regular one."""
+    if stat.S_ISDIR(mode):
+        raise error(f'{path}: cannot be read: {os.strerror(errno.EISDIR)}')
+    if not stat.S_ISREG(mode):
+        kind = KINDS.get(stat.S_IFMT(mode), 'something else')
+        raise error(f'{path}: cannot be read: {kind} given, a regular file expected')
+
+
+def read_small_text(path: Path, error: type[LinkedPlaneError], most_bytes: int = MOST_BYTES) -> str:
+    """Return the text of a regular file of limited size.
+
+    Parameters
+    ----------
+    path
+        The file; a link is followed.
+    error
+        What is raised if it cannot be read, is not UTF-8, no regular file, or too large.
+    most_bytes
+        The limit of its size; no more is read.
+    """
+    require_regular(path, error)
+    try:
+        # should it have become a FIFO by now: do not wait for what writes to it
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with open(descriptor, 'rb') as file:
+            check_mode(path, os.fstat(descriptor).st_mode, error)
+            content = file.read(most_bytes + 1) or b''
+    except OSError as fault:
+        raise error(f'{path}: cannot be read: {fault.strerror}') from None
+    except ValueError as fault:  # a zero byte in the path
+        if isinstance(fault, error):
+            raise
+        raise error(f'{path}: cannot be read: {fault}') from None
+    if len(content) > most_bytes:
+        raise error(
+            f'{path}: cannot be read: larger than {most_bytes / 2**20:g} MiB; another file?'
+        )
+    try:
+        return content.decode('utf-8')
+    except UnicodeDecodeError:
+        raise error(f'{path}: cannot be read: not UTF-8 text') from None
 
 
 @contextmanager

@@ -31,7 +31,7 @@ from .validity import (
     require_items,
     require_text,
 )
-from .yaml_mapping import YamlMapping, parse_yaml, read_text
+from .yaml_mapping import YamlMapping, parse_yaml, read_yaml
 
 __all__ = ['BroadMuscle', 'Head', 'Landmark', 'ModelError', 'Scale']
 
@@ -183,10 +183,10 @@ class BroadMuscle:
         path = Path(text)
         if path.suffix not in ('.yaml', '.yml'):
             raise ModelError(
-                f'muscle: {text!r} is neither a bundled model ({", ".join(sorted(bundled))}) '
-                'nor a path to a .yaml file'
+                f'muscle: {describe_value(text)} is neither a bundled model '
+                f'({", ".join(sorted(bundled))}) nor a path to a .yaml file'
             )
-        return build_muscle(parse_yaml(text, read_text(path)))
+        return build_muscle(read_yaml(path))
 
     @staticmethod
     def from_definition(definition: Definition) -> BroadMuscle:
@@ -380,7 +380,7 @@ class BroadMuscle:
             if band in head.bands:
                 return head.name
         known = ', '.join(self.band_names)
-        raise ModelError(f'{self.name}: band {band!r} given, one of {known} expected')
+        raise ModelError(f'{self.name}: band {describe_value(band)} given, one of {known} expected')
 
 
 def build_muscle(content: YamlMapping) -> BroadMuscle:

@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import resources
 
-from ..errors import FieldError
+from ..errors import FieldError, describe_value
 from ..types import Interval
 from .definition import Definition
 from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, check_keys, known_keys
 from .parts import (
     COORDINATES,
+    FRAMES,
     Curve,
     Curves,
     Head,
@@ -22,7 +23,7 @@ from .parts import (
     Polynomial,
     Span,
 )
-from .yaml_mapping import YamlMapping, describe_kind
+from .yaml_mapping import YamlMapping, describe_kind, is_version
 
 
 @contextmanager
@@ -39,13 +40,14 @@ def name_keys(mapping: YamlMapping) -> Iterator[None]:
 def read_definition(file: YamlMapping) -> Definition:
     """Return the definition in a file's content; ModelError names file, key and reason."""
     check_keys(file, '')
-    if file.text('format') != FORMAT:
-        raise file.fault('format', f'{file.content["format"]!r} given, {FORMAT!r} expected')
-    if file.content['version'] is not VERSION:
+    if file.content['format'] != FORMAT:
+        given = describe_value(file.content['format'])
+        raise file.fault('format', f'{given} given, {FORMAT!r} expected')
+    if not is_version(file.content['version'], VERSION):
+        given = describe_value(file.content['version'])
         raise file.fault(
             'version',
-            f'{file.content["version"]!r} given, {VERSION} expected: the version of the format '
-            'that this program reads',
+            f'{given} given, {VERSION} expected: the version of the format that this program reads',
         )
     units = file.mapping('units')
     check_keys(units, 'units')
@@ -54,6 +56,8 @@ def read_definition(file: YamlMapping) -> Definition:
     sphere = file.mapping('sphere')
     check_keys(sphere, 'sphere')
     frame = sphere.content['frame']
+    if not isinstance(frame, list):
+        sphere.choice('frame', FRAMES)
     with name_keys(file):
         return Definition(
             name=file.text('name'),

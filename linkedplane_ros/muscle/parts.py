@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import FieldError
+from ..errors import FieldError, describe_value
 from ..types import Floats, Point
 from .validity import check_names, require_array, require_choice, require_point
 
@@ -87,7 +87,7 @@ class Head:
         owner = f'head {self.name}'
         check_names('bands', self.bands, owner)
         if self.represented_by not in self.bands:
-            reason = f'{self.represented_by!r} is not one of the bands of the head'
+            reason = f'{describe_value(self.represented_by)} is not one of the bands of the head'
             raise FieldError('represented_by', reason, owner)
 
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,11 +29,12 @@ from .parts import (
     multiply_point,
 )
 from .validity import JOINT_CENTRE
-from .yaml_mapping import YamlMapping, parse_yaml, read_text
+from .yaml_mapping import YamlMapping, is_version, read_yaml
 
 FORMAT = 'linkedplane_ros/subject'
 VERSION = 1
-LEAST, MOST = 0.5, 2.0  # factors that a measurement may give; beyond, its unit is wrong
+LEAST, MOST = 0.2, 5.0  # factors: a newborn's arm is a fifth of an adult's
+LEAST_MEASURED, MOST_MEASURED = 0.5, 2.0  # a person's against the model's; beyond, a unit is wrong
 FLAT = 0.1  # of the farthest landmark's distance: below, an axis has no factor of its own
 
 Pair = tuple[str, tuple[float, ...], tuple[float, ...]]
@@ -46,7 +48,7 @@ class Scale:
     Raises
     ------
     ModelError
-        Unless all factors are finite and above zero.
+        Unless all factors are from 0.2 to 5.
 
     """
 
@@ -57,9 +59,18 @@ class Scale:
 
     def __post_init__(self) -> None:
         """Check the factors."""
-        wrong = [each for each in (*self.scapula, *self.humerus) if not 0.0 < each < math.inf]
+        for bone in BONES:
+            given = getattr(self, bone)
+            factors = read_factors(given)
+            if len(factors) != 3:
+                reason = f'{describe_value(given)} given, 3 factors expected'
+                raise ModelError(f'scale: {bone}: {reason}')
+            object.__setattr__(self, bone, tuple(factors))
+        wrong = [each for each in (*self.scapula, *self.humerus) if not LEAST <= each <= MOST]
         if wrong:
-            raise ModelError(f'scale: {wrong[0]:g} given, a factor > 0 expected')
+            raise ModelError(
+                f'scale: {wrong[0]:g} given, a factor > 0 expected, from {LEAST:g} to {MOST:g}'
+            )
 
     @property
     def uniform(self) -> bool:
@@ -84,13 +95,13 @@ def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Defi
         return given
     if isinstance(given, (str, Path)):
         if Path(given).suffix in ('.yaml', '.yml'):
-            return measure_scale(parse_yaml(str(given), read_text(Path(given))), model)
+            return measure_scale(read_yaml(Path(given)), model)
         try:
             factors = [float(part) for part in str(given).split(',')]
         except ValueError:
             factors = []
     else:
-        factors = [float(factor) for factor in np.atleast_1d(given)]
+        factors = read_factors(given)
     if len(factors) not in (1, 3, 6):
         raise ModelError(
             f'scale: {describe_value(given)} given; one factor, 3 (x,y,z), 6 '
@@ -99,6 +110,16 @@ def parse_scale(given: float | str | Path | Sequence[float] | Scale, model: Defi
     x, y, z, *others = factors * 3 if len(factors) == 1 else factors
     a, b, c = others or (x, y, z)
     return Scale((x, y, z), (a, b, c))
+
+
+def read_factors(given: Any) -> list[float]:
+    """Return a number, or a sequence of numbers, as a list; an empty one for anything else."""
+    try:
+        factors = np.atleast_1d(np.asarray(given))
+    except ValueError:  # rows of different lengths
+        return []
+    is_list = factors.dtype.kind in 'iuf' and factors.ndim == 1
+    return factors.astype(np.float64).tolist() if is_list else []
 
 
 def scale_definition(model: Definition, scale: Scale) -> Definition:
@@ -171,11 +192,13 @@ def measure_scale(file: YamlMapping, model: Definition) -> Scale:
     not measured takes the other's factors. ModelError names file and key.
     """
     file.check_keys(('format', 'version', 'units'), ('points', 'distances'))
-    expected = {'format': FORMAT, 'version': VERSION}
-    wrong = [key for key in expected if file.content[key] != expected[key]]
-    if wrong:
-        given, wanted = file.content[wrong[0]], expected[wrong[0]]
-        raise file.fault(wrong[0], f'{given!r} given, {wanted!r} expected')
+    for key, wanted, suits in (
+        ('format', FORMAT, file.content['format'] == FORMAT),
+        ('version', VERSION, is_version(file.content['version'], VERSION)),
+    ):
+        if not suits:
+            given = describe_value(file.content[key])
+            raise file.fault(key, f'{given} given, {wanted!r} expected')
     units = file.mapping('units')
     units.check_keys(('length',))
     metres = METRES[units.choice('length', METRES)] / METRES[model.length]
@@ -227,8 +250,8 @@ def distance_pairs(file: YamlMapping, model: Definition) -> Iterator[Pair]:
         ends = [each.choice(key, (*known, JOINT_CENTRE)) for key in ('from', 'to')]
         bones = {known[end].bone for end in ends if end != JOINT_CENTRE}
         if len(bones) != 1 or ends[0] == ends[1]:
-            raise each.fault('to', f'{ends[1]!r} given; another landmark on the bone of '
-                                   f'{ends[0]} expected')  # fmt: skip
+            expected = f'another landmark on the bone of {ends[0]} expected'
+            raise each.fault('to', f'{describe_value(ends[1])} given; {expected}')
         one, other = ((0.0, 0.0, 0.0) if end == JOINT_CENTRE else known[end].at for end in ends)
         yield bones.pop(), (math.dist(one, other),), (each.number('length'),)
 
@@ -243,11 +266,11 @@ def fit_factors(mine: Floats, theirs: Floats, where: str) -> Point:
     if not wide.any():
         raise ModelError(f'{where}: landmarks that lie in one place give no size')
     factors = (mine * theirs).sum(axis=0)[wide] / np.square(mine).sum(axis=0)[wide]
-    wrong = [factor for factor in factors.tolist() if not LEAST <= factor <= MOST]
+    wrong = [each for each in factors.tolist() if not LEAST_MEASURED <= each <= MOST_MEASURED]
     if wrong:
         raise ModelError(
             f"{where}: {wrong[0]:.3g} times the model's size by these measurements, "
-            f'{LEAST:g} to {MOST:g} expected; the unit, the axes?'
+            f'{LEAST_MEASURED:g} to {MOST_MEASURED:g} expected; the unit, the axes?'
         )
     of_axes = np.full(3, geometric_mean(*factors.tolist()))
     if mine.shape[1] == 3:

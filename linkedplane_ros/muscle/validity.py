@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -26,7 +27,7 @@ PARALLEL = 1e-6  # sine of the smallest angle between a reference normal and the
 def check_topic_name(field: str, name: Any, owner: str = '') -> None:
     """Refuse a name that topics cannot begin with."""
     if not isinstance(name, str) or not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', name):
-        reason = f'{name!r} given; a letter, then letters, digits and _ expected'
+        reason = f'{describe_value(name)} given; a letter, then letters, digits and _ expected'
         raise FieldError(field, reason, owner)
 
 
@@ -46,7 +47,8 @@ def check_names(field: str, names: Sequence[str], owner: str = '') -> None:
     check_distinct(field, names, owner)
     wrong = [name for name in names if not name.isprintable() or ',' in name or not name.strip()]
     if wrong:
-        raise FieldError(field, f'{wrong[0]!r} given; a name without a comma expected', owner)
+        reason = f'{describe_value(wrong[0])} given; a name without a comma expected'
+        raise FieldError(field, reason, owner)
 
 
 def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
@@ -54,10 +56,11 @@ def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
     names = list(names)
     wrong = [name for name in names if not isinstance(name, str)]
     if wrong:
-        raise FieldError(field, f'{wrong[0]!r} given; a name expected', owner)
-    twice = [name for name in names if names.count(name) > 1]
+        raise FieldError(field, f'{describe_value(wrong[0])} given; a name expected', owner)
+    twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        raise FieldError(field, f'{twice[0]!r} appears twice; different names expected', owner)
+        reason = f'{describe_value(twice[0])} appears twice; different names expected'
+        raise FieldError(field, reason, owner)
 
 
 def require_items(field: str, values: Any, kind: type[Item]) -> tuple[Item, ...]:
@@ -118,15 +121,15 @@ def require_intervals(field: str, value: Any, names: Sequence[str]) -> Intervals
 def check_heads(heads: Sequence[Head], bands: Sequence[str]) -> None:
     """Refuse heads that do not have every band once."""
     check_distinct('heads', [head.name for head in heads])
-    left = list(bands)
+    left = dict.fromkeys(bands)
     for head in heads:
         for band in head.bands:
             if band not in left:
-                reason = f'{band!r} is not a band, or is one of another head'
+                reason = f'{describe_value(band)} is not a band, or is one of another head'
                 raise FieldError(f'heads.{head.name}.bands', reason)
-            left.remove(band)
+            del left[band]
     if left:
-        raise FieldError('heads', f'no head has the band {left[0]!r}')
+        raise FieldError('heads', f'no head has the band {describe_value(next(iter(left)))}')
 
 
 def check_landmarks(names: Sequence[str]) -> None:

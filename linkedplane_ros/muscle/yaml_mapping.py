@@ -6,16 +6,58 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
+from datetime import date
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from ..errors import ModelError, describe_value
+from ..errors import LONGEST, LinkedPlaneError, ModelError, describe_value
+from ..files import read_small_text
+
+SURROGATE = re.compile('[\ud800-\udfff]')  # half a character, as "\ud800" in YAML
 
 
-class UniqueKeyLoader(yaml.SafeLoader):
-    """YAML in which no key of a mapping may appear twice."""
+MOST_VALUES = 100_000  # of a file: more take longer than anyone waits
+LONGEST_NUMBER = 1000  # characters: the time that a number in base 60 takes grows with their square
+
+
+class StrictLoader(yaml.SafeLoader):
+    """YAML without keys that appear twice, endless numbers, and values without end.
+
+    A few lines of aliases of aliases are a value that no memory holds.
+    """
+
+    def __init__(self, stream: str) -> None:
+        """Begin to count the values."""
+        super().__init__(stream)
+        self._values = 0
+
+    def get_single_node(self) -> yaml.Node | None:
+        """Return the node of the text; a YAML error if its aliases make too much of it."""
+        node: yaml.Node | None = super().get_single_node()
+        if node is not None and count_values(node, {}) > MOST_VALUES:
+            raise yaml.MarkedYAMLError(problem=f'more than {MOST_VALUES} values by aliases (*)')
+        return node
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """Return the next node; a YAML error if there were too many."""
+        self._values += 1
+        if self._values > MOST_VALUES:
+            raise yaml.MarkedYAMLError(problem=f'more than {MOST_VALUES} values')
+        return super().compose_node(parent, index)
+
+    def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
+        """Return the next scalar; a YAML error at a number or a text that no file should have."""
+        node = super().compose_scalar_node(anchor)
+        if node.tag.endswith((':int', ':float')) and len(node.value) > LONGEST_NUMBER:
+            problem = f'a number of {len(node.value)} characters'
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+        if SURROGATE.search(node.value):
+            problem = f'{describe_value(node.value)} is not Unicode'
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+        return node
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Return the mapping; a YAML error at the second of two like keys."""
@@ -23,33 +65,52 @@ class UniqueKeyLoader(yaml.SafeLoader):
         for key_node, _ in node.value:
             key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
             if key in keys:
-                problem = f'the key {key!r} appears twice'
+                problem = f'the key {describe_value(key)} appears twice'
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
             keys.add(key)
         return super().construct_mapping(node, deep)
 
 
-def read_text(path: Path) -> str:
-    """Return the text of a file; ModelError if it cannot be read."""
+def count_values(node: yaml.Node, known: dict[int, float]) -> float:
+    """Return how many values a node has, each alias counted as what it stands for.
+
+    Infinite for a node in itself; `known` has the counts of the nodes that were seen.
+    """
+    if id(node) not in known:
+        known[id(node)] = math.inf  # should it be met again within itself
+        inner = node.value if isinstance(node, yaml.CollectionNode) else ()
+        nodes = chain.from_iterable(inner) if isinstance(node, yaml.MappingNode) else inner
+        known[id(node)] = 1.0 + sum(count_values(each, known) for each in nodes)
+    return known[id(node)]
+
+
+def load_yaml(text: str) -> Any:
+    """Return what a YAML text says; LinkedPlaneError with line and problem if it is not valid."""
     try:
-        return path.read_text(encoding='utf-8')
-    except UnicodeDecodeError:
-        raise ModelError(f'{path}: cannot be read: not UTF-8 text') from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise ModelError(f'{path}: cannot be read: {reason}') from None
+        return yaml.load(text, StrictLoader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, 'problem_mark', None)
+        line = f' at line {mark.line + 1}' if mark else ''
+        problem = getattr(error, 'problem', None) or str(error).split('\n')[0]
+    except RecursionError:
+        line, problem = '', 'nested too deeply'
+    except Exception as error:  # PyYAML's, of a value that is not what its tag says
+        line, problem = '', f'a value cannot be read: {error}'
+    raise LinkedPlaneError(f'not valid YAML{line}: {problem}')
 
 
 def parse_yaml(file: str, text: str) -> YamlMapping:
     """Return the content of a file; ModelError if it is not YAML, or not a mapping."""
     try:
-        content = yaml.load(text, UniqueKeyLoader)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        mark = getattr(error, 'problem_mark', None)
-        line = f' at line {mark.line + 1}' if mark else ''
-        problem = getattr(error, 'problem', None) or str(error).split('\n')[0]
-        raise ModelError(f'{file}: not valid YAML{line}: {problem}') from None
+        content = load_yaml(text)
+    except LinkedPlaneError as error:
+        raise ModelError(f'{file}: {error}') from None
     return YamlMapping(file, '', content)
+
+
+def read_yaml(path: Path) -> YamlMapping:
+    """Return the content of a file; ModelError if it cannot be read, or is not a mapping."""
+    return parse_yaml(str(path), read_small_text(path, ModelError))
 
 
 class YamlMapping:
@@ -74,7 +135,7 @@ class YamlMapping:
 
     def full_key(self, key: str) -> str:
         """Return the full, dotted name of a key."""
-        shown = key if key.isprintable() else repr(key)
+        shown = key if key.isprintable() and len(key) <= LONGEST else describe_value(key)
         return f'{self.path}.{shown}' if self.path else shown
 
     def check_keys(self, required: Iterable[str], optional: Iterable[str] = ()) -> None:
@@ -86,7 +147,8 @@ class YamlMapping:
         unknown = [key for key in self.content if key not in required + optional]
         if unknown:
             known = ', '.join(required + optional)
-            raise self.fault(str(unknown[0]), f'unknown key; known here: {known}')
+            key = unknown[0] if isinstance(unknown[0], str) else describe_value(unknown[0])
+            raise self.fault(key, f'unknown key; known here: {known}')
 
     def mapping(self, key: str) -> YamlMapping:
         """Return the mapping under a key."""
@@ -97,28 +159,36 @@ class YamlMapping:
         if key not in self.content:
             return []
         named = self.mapping(key)
-        return [(str(name), named.mapping(name)) for name in named.content]
+        for name in named.content:
+            if not isinstance(name, str):
+                raise self.fault(key, f'names expected, {describe_kind(name)} given{QUOTES}')
+        return [(name, named.mapping(name)) for name in named.content]
 
     def text(self, key: str) -> str:
         """Return the non-empty text under a key."""
         value = self.content[key]
         if not isinstance(value, str) or not value.strip():
-            given = repr(value) if isinstance(value, str) else describe_kind(value)
-            raise self.fault(key, f'text expected, {given} given')
+            given = describe_value(value) if isinstance(value, str) else describe_kind(value)
+            raise self.fault(key, f'text expected, {given} given{quotes_hint(value)}')
         return value.strip()
 
     def names(self, key: str) -> tuple[str, ...]:
         """Return the list of names under a key."""
         value = self.content[key]
-        if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        if not isinstance(value, list):
             raise self.fault(key, f'a list of names expected, {describe_kind(value)} given')
+        for i, name in enumerate(value):
+            if not isinstance(name, str):
+                given = f'{describe_kind(name)} given{quotes_hint(name)}'
+                raise self.fault(f'{key}[{i}]', f'a list of names expected, {given}')
         return tuple(value)
 
     def choice(self, key: str, choices: Iterable[str]) -> str:
         """Return the word under a key, one of the choices."""
         value, choices = self.content[key], tuple(choices)
         if not isinstance(value, str) or value not in choices:
-            raise self.fault(key, f'{value!r} given, one of {", ".join(choices)} expected')
+            given = describe_value(value)
+            raise self.fault(key, f'{given} given, one of {", ".join(choices)} expected')
         return value
 
     def number(self, key: str) -> float:
@@ -163,6 +233,11 @@ class YamlMapping:
         return number
 
 
+def is_version(value: Any, version: int) -> bool:
+    """Return whether a value is the number of a version; `true`, which Python takes for 1, not."""
+    return not isinstance(value, bool) and bool(value == version)
+
+
 def is_exponential(value: Any) -> bool:
     """Return whether a value is text such as 1e-3, which YAML 1.1 does not take for a number."""
     return isinstance(value, str) and re.fullmatch(r'[-+]?[\d.]+[eE][-+]?\d+', value) is not None
@@ -172,5 +247,15 @@ def describe_kind(value: Any) -> str:
     """Return what a value of a file is called in a message."""
     if value is None:
         return 'nothing'
+    if isinstance(value, date):
+        return f'the date {value}'
     kinds: dict[Any, str] = {dict: 'a mapping', list: 'a list', str: 'text'}
-    return kinds.get(type(value), repr(value))
+    return kinds.get(type(value), describe_value(value))
+
+
+QUOTES = '; what YAML takes for a number, a date, true or nothing is text in quotes'
+
+
+def quotes_hint(value: Any) -> str:
+    """Return how to write a value as text; empty for what is no single value."""
+    return QUOTES if isinstance(value, (bool, int, float, date)) else ''

@@ -15,6 +15,7 @@ import yaml
 
 from ..drawing.processed import ProcessedRecording
 from ..errors import RecordingError
+from ..files import require_regular
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.joint_state import JointMap, JointMemory, OtherJoints
 from ..libraries import advise_install
@@ -49,6 +50,7 @@ def read_processed(path: Path) -> ProcessedRecording:
         raise RecordingError(f'{path}: no such file or folder')
     if path.is_dir():
         return read_annotated_bag(path)
+    require_regular(path, RecordingError)
     try:
         facts, columns = read_parquet(path) if path.suffix.lower() == '.parquet' else read_csv(path)
         return assemble(path, facts, columns)
@@ -86,6 +88,7 @@ def read_csv(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
 def read_facts(table: Path) -> dict[str, str]:
     """Return the facts that stand in a file beside a plain CSV."""
     path = facts_file(table)
+    require_regular(path, RecordingError)
     try:
         facts = dict(yaml.safe_load(path.read_text(encoding='utf-8')))
     except FileNotFoundError:
@@ -118,6 +121,7 @@ def read_parquet(path: Path) -> tuple[dict[str, str], dict[str, Floats]]:
 
 def read_annotated_bag(path: Path) -> ProcessedRecording:
     """Return what an annotated bag holds."""
+    require_regular(path / 'metadata.yaml', RecordingError)
     try:
         content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
         facts = content['rosbag2_bagfile_information']['custom_data']

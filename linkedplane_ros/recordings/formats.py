@@ -41,7 +41,8 @@ def check_format(path: Path, endings: Sequence[str] = ENDINGS_READ) -> None:
     with suppress(OSError):
         if path.is_dir():
             for each in sorted(path.iterdir()):
-                if each.suffix.lower() in BAGS or each.name == METADATA:
+                of_bag = each.suffix.lower() in BAGS or each.name == METADATA
+                if of_bag and each.is_file():
                     check_file(each, (*BAGS, '.yaml'))
         elif path.is_file():
             check_file(path, endings)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.file import read_interference_spheres
 from ..muscle.parts import METRES
-from ..muscle.yaml_mapping import parse_yaml, read_text
+from ..muscle.yaml_mapping import read_yaml
 from ..solver.interference import depths
 from ..types import Floats, Point
 from .experiments import Experiment
@@ -134,7 +134,7 @@ def add_spheres(muscle: BroadMuscle, path: str | Path) -> BroadMuscle:
     The file has `units: {length: mm}` and the key `interference_spheres` of a model file.
     ModelError names the file and the key of a fault.
     """
-    file = parse_yaml(str(path), read_text(Path(path)))
+    file = read_yaml(Path(path))
     file.check_keys(('units', 'interference_spheres'))
     units = file.mapping('units')
     units.check_keys(('length',))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from spoilt_models import REQUIRED, WRONG, Content, Write, spoil
 
 from linkedplane_ros import BroadMuscle, ModelError
@@ -78,6 +79,102 @@ def test_a_band_without_length_is_refused(content: Content, write: Write) -> Non
 def test_a_ground_point_in_line_with_an_origin_is_refused(content: Content, write: Write) -> None:
     path = write(spoil(content, 'sphere.ground_point', content['sphere']['humeral_point']))
     assert refusal(path).startswith(f'{path}: sphere.ground_point: ')
+
+
+NAMED = {  # what YAML makes of a name: text of it, and what the message calls that
+    '1': '1',
+    '1.5': '1.5',
+    'true': 'True',
+    'no': 'False',
+    'null': 'nothing',
+    '~': 'nothing',
+    '2024-01-01': 'the date 2024-01-01',
+    '1:30': '90',
+    '.inf': 'inf',
+}
+SECTIONS = {
+    'interference_spheres': '{centre: [1, 2, 3], radius: 4}',
+    'landmarks': '{bone: scapula, at: [1, 2, 3]}',
+    'heads': '{bands: [a], represented_by: a}',
+}
+
+
+@pytest.mark.parametrize('name', NAMED)
+@pytest.mark.parametrize('section', SECTIONS)
+def test_a_name_that_yaml_takes_for_something_else_is_refused(
+    section: str, name: str, content: Content, write: Write
+) -> None:
+    content.pop(section, None)
+    text = f'{yaml.safe_dump(content)}{section}:\n  {name}: {SECTIONS[section]}\n'
+    path = write(text)
+    hint = 'what YAML takes for a number, a date, true or nothing is text in quotes'
+    given = f'names expected, {NAMED[name]} given; {hint}'
+    assert refusal(path) == f'{path}: {section}: {given}'
+    quoted = refusal_or_none(write(text.replace(f'  {name}:', f'  "{name}":')))
+    assert quoted is None or 'is not a band' in quoted  # the head's
+
+
+def refusal_or_none(path: Path) -> str | None:
+    try:
+        BroadMuscle.load(path)
+    except ModelError as error:
+        return str(error)
+    return None
+
+
+def bomb(levels: int, inner: str = '[{}]') -> str:
+    """Return a YAML text of nine to the power of so many values."""
+    lines = ['a0: &a0 [x]' if inner == '[{}]' else 'a0: &a0 {k: 1}']
+    for i in range(1, levels):
+        lines.append(f'a{i}: &a{i} ' + inner.format(', '.join([f'*a{i - 1}'] * 9)))
+    return '\n'.join(lines) + '\n'
+
+
+@pytest.mark.parametrize(
+    ('text', 'reason'),
+    [
+        (bomb(30), 'more than 100000 values by aliases (*)'),
+        (bomb(30, '{{<<: [{}]}}'), 'more than 100000 values by aliases (*)'),
+        ('a: &a [*a]', 'more than 100000 values by aliases (*)'),
+        ('&a {a: *a}', 'more than 100000 values by aliases (*)'),
+        ('a: [' + '1,' * 300_000 + ']', 'more than 100000 values'),
+        ('[' * 100_000, 'nested too deeply'),
+        ('a: ' + '1:' * 300_000 + '1', 'at line 1: a number of 600001 characters'),
+        ('a: ' + '1:' * 400 + '1.5', 'a value cannot be read: int too large'),
+        ('a: ' + '7' * 900_000, 'at line 1: a number of 900000 characters'),
+        ('a: "\\ud800"', "at line 1: '\\ud800' is not Unicode"),
+        ('a: !!bool maybe', 'a value cannot be read'),
+        ('a: !!int ""', 'a value cannot be read'),
+        ('a: !!timestamp now', 'a value cannot be read'),
+        ('a: 2024-13-45', 'a value cannot be read: month must be in 1..12'),
+    ],
+)
+def test_yaml_that_is_a_trap_is_refused_in_a_short_line(
+    text: str, reason: str, write: Write
+) -> None:
+    path = write(text)
+    message = refusal(path)
+    assert message.startswith(f'{path}: not valid YAML')
+    assert reason in message
+    assert len(message) < len(str(path)) + 150
+
+
+def test_a_list_may_be_used_twice_by_an_alias(content: Content, write: Write) -> None:
+    names = content['bands']['names']
+    content['heads'] = {'all': {'bands': names, 'represented_by': names[0]}}
+    path = write(content)
+    assert '*id' in path.read_text()
+    assert BroadMuscle.load(path).heads[0].bands == tuple(names)
+
+
+LONG = ('format', 'version', 'name', 'units.length', 'sphere.radius', 'sphere.frame',
+        'heads.middle.represented_by', 'x' * 50_000)  # fmt: skip
+
+
+@pytest.mark.parametrize('key', LONG, ids=lambda key: key[:30])
+def test_a_long_value_is_cut_in_the_message(key: str, content: Content, write: Write) -> None:
+    path = write(spoil(content, key, 'long ' * 20_000))
+    assert len(refusal(path)) < len(str(path)) + 600
 
 
 @pytest.mark.parametrize(

@@ -139,7 +139,16 @@ def test_a_scaled_muscle_is_saved_and_loaded_to_the_bit(
         (-1.0, 'a factor > 0 expected'),
         ('nan', 'a factor > 0 expected'),
         ('inf', 'a factor > 0 expected'),
+        (0.19, '0.19 given, a factor > 0 expected, from 0.2 to 5'),
+        ('5.01', '5.01 given, a factor > 0 expected, from 0.2 to 5'),
+        ('1,1,1,1,1,1e9', '1e[+]09 given, a factor > 0 expected, from 0.2 to 5'),
+        (10**5000, '<16610 bits> given; one factor, 3'),
         ('large', "'large' given; one factor, 3"),
+        ('1' * 100_000, 'inf given, a factor > 0 expected'),
+        (None, 'None given; one factor, 3'),
+        (['a'], 'given; one factor, 3'),
+        ([1.0, [1.0]], 'given; one factor, 3'),
+        ([[1.0, 1.0, 1.0]], 'given; one factor, 3'),
         ('1,2', "'1,2' given; one factor, 3"),
         ((), 'one factor, 3'),
         ('', 'one factor, 3'),
@@ -149,3 +158,14 @@ def test_a_scaled_muscle_is_saved_and_loaded_to_the_bit(
 def test_what_is_no_scale_is_refused(scale: Any, told: str) -> None:
     with pytest.raises(ModelError, match=told):
         DELTOID.scaled(scale)
+
+
+@pytest.mark.parametrize('factor', [0.2, '0.2', 5, 5.0])
+def test_the_limits_of_a_scale_are_taken(factor: Any) -> None:
+    np.testing.assert_allclose(DELTOID.scaled(factor).origins, float(factor) * DELTOID.origins)
+
+
+@pytest.mark.parametrize('given', [(1.0, 1.0), 'abc', None, (1.0, 'a', 1.0), (1.0, 1.0, 9.0)])
+def test_a_scale_made_in_python_has_three_factors_for_a_bone(given: Any) -> None:
+    with pytest.raises(ModelError, match='^scale: '):
+        Scale(scapula=given)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import LinkedPlaneError
-from ...files import replace_when_complete
+from ...files import replace_when_complete, require_regular
 
 FORMAT = 'linkedplane_ros/fit_checkpoint'
 EVERY = 5.0  # s
@@ -55,8 +55,7 @@ class Checkpoint:
     def read(self) -> dict[str, Any]:
         """Return the state on disk; LinkedPlaneError if it cannot be read, or is of another fit."""
         try:
-            if self.path.exists() and not self.path.is_file():
-                raise KeyError
+            require_regular(self.path, LinkedPlaneError)
             content = json.loads(self.path.read_text(encoding='utf-8'))
             if content['format'] != FORMAT:
                 raise KeyError

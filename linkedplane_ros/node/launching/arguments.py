@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import yaml
 from launch.actions import DeclareLaunchArgument
 
-from ...errors import LinkedPlaneError
+from ...errors import LinkedPlaneError, describe_value
+from ...muscle.yaml_mapping import load_yaml
 from ..parameters import SPECS, ParameterSpec, Value
 
 Argument = tuple[str, str, str]
@@ -78,6 +78,7 @@ def check_parameters(values: Mapping[str, str]) -> dict[str, Value]:
 def parse_argument(name: str, text: str) -> Any:
     """Return the value of an argument."""
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
-        raise LinkedPlaneError(f'{name}: {text} given, which is not YAML') from None
+        return load_yaml(text)
+    except LinkedPlaneError:
+        given = describe_value(text)
+        raise LinkedPlaneError(f'{name}: {given} given, which is not YAML') from None

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from ...errors import LinkedPlaneError
+from ...files import read_small_text
+from ...muscle.yaml_mapping import load_yaml
 
 SECTION = 'ros__parameters'
 
@@ -32,11 +32,10 @@ def read_parameter_file(path: Path, node: str) -> dict[str, Any]:
 
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding='utf-8'))
-    except OSError as fault:
-        raise LinkedPlaneError(f'params_file: {path}: {fault.strerror}') from None
-    except (UnicodeDecodeError, yaml.YAMLError):
-        raise LinkedPlaneError(f'params_file: {path}: not YAML') from None
+        content = load_yaml(read_small_text(path, LinkedPlaneError))
+    except LinkedPlaneError as error:
+        where = '' if str(path) in str(error) else f'{path}: '
+        raise LinkedPlaneError(f'params_file: {where}{error}') from None
     found = [section for section in list_sections(content) if matches(section[0], node)]
     parameters: dict[str, Any] = {}
     for _, given in sorted(found, key=lambda section: section[0] == node):

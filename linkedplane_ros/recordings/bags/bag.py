@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple, Protocol
 
 from ...errors import RecordingError
+from ...files import require_regular
 from ..formats import BAGS, METADATA
 from .compression import decompress, decompress_file
 from .connections import CDR, TYPE_HASH, Connection, RecordedMessage
@@ -126,6 +127,7 @@ class Bag:
 
     def _open_file(self, path: Path) -> BagFile:
         """Open a file by what stands in it: a name or a `storage_identifier` may be wrong."""
+        require_regular(path, RecordingError)
         with path.open('rb') as file:
             begin = file.read(len(SQLITE_MAGIC))
         opened: BagFile

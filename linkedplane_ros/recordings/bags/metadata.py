@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from ...errors import RecordingError
+from ...files import require_regular
 from ..formats import BAGS, METADATA
 
 BEFORE_FOLDERS = 4  # the version from which on paths are relative to the bag's folder
@@ -46,10 +47,11 @@ def read_metadata(bag: Path) -> BagMetadata:
         If it has no metadata.yaml of rosbag2.
     """
     path = bag / METADATA
+    require_regular(path, RecordingError)
     try:
         content = yaml.safe_load(path.read_text(encoding='utf-8'))['rosbag2_bagfile_information']
         version = int(content.get('version') or BEFORE_FOLDERS)
-        names = [str(each) for each in content.get('relative_file_paths') or ()]
+        names = [read_word(each) for each in content.get('relative_file_paths') or ()]
         topics = tuple(map(read_topic, content['topics_with_message_count'] or ()))
         mode = str(content.get('compression_mode') or '').lower()
         packed = str(content.get('compression_format') or '')
@@ -59,7 +61,7 @@ def read_metadata(bag: Path) -> BagMetadata:
         raise RecordingError(f'{bag}: no {METADATA} in it{advice}') from None
     except OSError as error:
         raise RecordingError(f'{path}: cannot be read: {error.strerror}') from None
-    except (AttributeError, KeyError, TypeError, ValueError, yaml.YAMLError):
+    except (AttributeError, KeyError, TypeError, ValueError, RecursionError, yaml.YAMLError):
         raise RecordingError(f'{path}: not the metadata of a rosbag2') from None
     if mode in ('none', 'storage'):
         mode = ''
@@ -72,8 +74,16 @@ def read_metadata(bag: Path) -> BagMetadata:
 def read_topic(entry: Any) -> CountedTopic:
     """Return a topic of `topics_with_message_count`."""
     facts = entry['topic_metadata']
-    count, type_hash = int(entry['message_count']), str(facts.get('type_description_hash') or '')
-    return CountedTopic(str(facts['name']), str(facts['type']), count, type_hash)
+    type_hash = read_word(facts.get('type_description_hash') or '')
+    name, type_name = read_word(facts['name']), read_word(facts['type'])
+    return CountedTopic(name, type_name, int(entry['message_count']), type_hash)
+
+
+def read_word(value: Any) -> str:
+    """Return a value as text; TypeError for a list or a mapping, which aliases make endless."""
+    if isinstance(value, (list, dict)):
+        raise TypeError
+    return str(value)
 
 
 def locate_file(bag: Path, name: str, version: int) -> Path:

@@ -11,6 +11,7 @@ from io import BufferedReader
 from pathlib import Path
 
 from ...errors import RecordingError
+from ...files import require_regular
 from ..formats import HEAD, describe_refusal, foreign_content
 
 MARK = '\ufeff'  # of UTF-8; some programs write it twice
@@ -23,6 +24,7 @@ def open_lines(path: Path) -> Iterator[tuple[Iterator[str], Callable[[], float]]
 
     A RecordingError in the block gets the path in front.
     """
+    require_regular(path, RecordingError)
     try:
         size = max(path.stat().st_size, 1)
         with path.open('rb') as file:
