@@ -142,9 +142,9 @@ def test_a_scaled_muscle_is_saved_and_loaded_to_the_bit(
         (0.19, '0.19 given, a factor > 0 expected, from 0.2 to 5'),
         ('5.01', '5.01 given, a factor > 0 expected, from 0.2 to 5'),
         ('1,1,1,1,1,1e9', '1e[+]09 given, a factor > 0 expected, from 0.2 to 5'),
-        (10**5000, '<16610 bits> given; one factor, 3'),
+        pytest.param(10**5000, '<16610 bits> given; one factor, 3', id='of many digits'),
         ('large', "'large' given; one factor, 3"),
-        ('1' * 100_000, 'inf given, a factor > 0 expected'),
+        pytest.param('1' * 9999, 'inf given, a factor > 0 expected', id='of many ones'),
         (None, 'None given; one factor, 3'),
         (['a'], 'given; one factor, 3'),
         ([1.0, [1.0]], 'given; one factor, 3'),
@@ -167,5 +167,5 @@ def test_the_limits_of_a_scale_are_taken(factor: Any) -> None:
 
 @pytest.mark.parametrize('given', [(1.0, 1.0), 'abc', None, (1.0, 'a', 1.0), (1.0, 1.0, 9.0)])
 def test_a_scale_made_in_python_has_three_factors_for_a_bone(given: Any) -> None:
-    with pytest.raises(ModelError, match='^scale: '):
+    with pytest.raises(ModelError, match=r'^scale: '):
         Scale(scapula=given)
