@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .errors import LinkedPlaneError, ModelError, RecordingError, SkeletonError
     from .joints.conventions import JOINT_CONVENTIONS, JointConvention
+    from .joints.rhythms import RHYTHMS, Rest, Rhythm
     from .muscle.broad_muscle import BroadMuscle, Head, Landmark
     from .skeleton.skeleton import Skeleton
     from .solver.linked_plane_solver import LinkedPlaneSolver
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 __version__ = '0.1.0'
 __all__ = [
     'JOINT_CONVENTIONS',
+    'RHYTHMS',
     'BroadMuscle',
     'Head',
     'JointConvention',
@@ -30,6 +32,8 @@ __all__ = [
     'MuscleState',
     'MuscleStates',
     'RecordingError',
+    'Rest',
+    'Rhythm',
     'Skeleton',
     'SkeletonError',
     'WrapState',
@@ -38,6 +42,7 @@ __all__ = [
 _PLACES = {
     'errors': ('LinkedPlaneError', 'ModelError', 'RecordingError', 'SkeletonError'),
     'joints.conventions': ('JOINT_CONVENTIONS', 'JointConvention'),
+    'joints.rhythms': ('RHYTHMS', 'Rest', 'Rhythm'),
     'muscle.broad_muscle': ('BroadMuscle', 'Head', 'Landmark'),
     'skeleton.skeleton': ('Skeleton',),
     'solver.linked_plane_solver': ('LinkedPlaneSolver',),

@@ -66,9 +66,14 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
     base = angles.add_mutually_exclusive_group()
     base.add_argument('--scapula', metavar='NAME', help='what the humerus is measured against')
     base.add_argument('--thorax', metavar='NAME',
-                      help="the same, where the scapula's share is estimated (--rhythm)")
-    add('--rhythm', type=positive_number, metavar='RATIO',
-        help='glenohumeral to scapulothoracic elevation, with --thorax (default: 2)')
+                      help='the same, where the scapula follows by a rhythm (--rhythm)')
+    add('--rhythm', metavar='NAME',
+        help='how it follows, with --thorax: constant_ratio, de_groot_brand2001, mobl_elevation, '
+        'or a number, the ratio of glenohumeral to scapulothoracic elevation (default: 2)')
+    add('--rest', nargs='+', type=float, metavar='RAD',
+        help='the scapula with the arm hanging, as the rhythm starts from it: protraction, lateral '
+        "rotation, tilt, rad; and, if known, the humerus' plane of elevation and elevation there "
+        "(default: the thorax's axes for a ratio, else those of an average subject)")
     add('--frame-axes', choices=('model', 'isb'),
         help='axes of the frames. model: x to the right, y anterior, z superior; '
         'isb: x anterior, y superior, z to the right (default: model)')
@@ -118,8 +123,8 @@ def run(args: argparse.Namespace) -> None:
 
     options = Options(**{field.name: getattr(args, field.name) for field in fields(Options)})
     if options.bones is not None and options.thorax is not None:
-        print(f'angles against the thorax: the scapula takes 1 part of an elevation to '
-              f'{options.bones.rhythm:g} of the humerus (--rhythm), an assumption')  # fmt: skip
+        print('angles against the thorax: the scapula follows the humerus by '
+              f'{options.bones.rhythm} (--rhythm), an assumption')  # fmt: skip
     caution = JOINT_CONVENTIONS[options.convention].caution
     if options.bones is None and caution:
         print(f'linkedplane: {caution}', file=sys.stderr)

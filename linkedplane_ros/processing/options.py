@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..joints.joint_state import JointMap
+from ..joints.rhythms import Rest, rhythm_from
 from ..recordings.poses import BoneFrames
-
-RHYTHM = 2.0  # glenohumeral to scapulothoracic elevation, on the average (Inman 1944)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,8 +47,12 @@ class Options:
     """The frame of the humerus, where the angles come from poses; with scapula or thorax."""
     scapula: str | None = None
     thorax: str | None = None
-    rhythm: float | None = None
-    """Glenohumeral to scapulothoracic elevation, with thorax; None: RHYTHM."""
+    rhythm: str | None = None
+    """How the scapula follows, with thorax: a name of RHYTHMS, or the ratio of glenohumeral to
+    scapulothoracic elevation; None: constant_ratio, 2."""
+    rest: Sequence[float] | None = None
+    """rad, the scapula's three angles at rest (`GIRDLE`), and if known the humerus' plane of
+    elevation and elevation there; None: as the rhythm has them."""
     frame_axes: str | None = None
     """The axes of the bones' frames, model or isb; None: model."""
     frame_id: str = 'scapula'
@@ -72,6 +75,13 @@ class Options:
         has_base = self.scapula is not None or self.thorax is not None
         if self.rhythm is not None and self.thorax is None:
             raise LinkedPlaneError('--rhythm: only for angles against the thorax (--thorax)')
+        if self.rest is not None and self.thorax is None:
+            raise LinkedPlaneError('--rest: only with a rhythm, against the thorax (--thorax)')
+        if self.rest is not None and len(self.rest) not in (3, 5):
+            raise LinkedPlaneError(
+                f'--rest: {len(self.rest)} numbers given; 3 expected, the angles of the scapula, '
+                'or 5, with plane and elevation of the humerus'
+            )
         if (self.humerus is not None) != has_base:
             raise LinkedPlaneError('--humerus NAME goes with --scapula NAME or --thorax NAME')
         if '' in (self.humerus, self.scapula, self.thorax):
@@ -102,5 +112,10 @@ class Options:
         """The frames to take the angles from; None: they are joint angles."""
         if self.humerus is None:
             return None
-        axes, rhythm = self.frame_axes or 'model', self.rhythm or RHYTHM
-        return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm)
+        rest = None
+        if self.rest is not None:
+            a, b, c, *humerus = self.rest
+            rest = Rest((a, b, c), humerus=(humerus[0], humerus[1]) if humerus else None)
+        rhythm = rhythm_from(self.rhythm or 'constant_ratio')
+        axes = self.frame_axes or 'model'
+        return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm, rest)

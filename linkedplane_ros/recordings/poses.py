@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.conventions import JointConvention
 from ..joints.joint_state import Rejected, summarize_names
+from ..joints.rhythms import RHYTHMS, Rest, Rhythm
 from ..joints.sides import mirror_rotation
 from ..types import Floats, Triple
 from .motion import Frame, Place, Refused
@@ -40,11 +41,13 @@ class BoneFrames:
     humerus: str
     scapula: str | None = None
     thorax: str | None = None
-    """Instead of the scapula, whose share of an elevation is then subtracted by the rhythm."""
+    """Instead of the scapula, which then follows the humerus by the rhythm."""
     axes: str = 'model'
     """Of all frames: a key of FRAME_AXES."""
-    rhythm: float = 2.0
-    """Glenohumeral to scapulothoracic elevation."""
+    rhythm: Rhythm = RHYTHMS['constant_ratio']
+    """How the scapula follows."""
+    rest: Rest | None = None
+    """Where the subject's girdle starts from; None: the rhythm's own."""
 
     @property
     def base(self) -> str:
@@ -102,7 +105,8 @@ class PoseFrameReader:
             'velocities': 'none',
             'scapulohumeral_rhythm': 'none: measured against the scapula'
             if bones.scapula
-            else f'{bones.rhythm:g} to 1',
+            else str(bones.rhythm),
+            **({'scapula_at_rest': str(bones.rest)} if bones.rest else {}),
         }
 
     def accepts(self, topic: str, kind: str) -> bool:
@@ -238,7 +242,7 @@ class PoseFrameReader:
         if self.side == 'left':  # the right shoulder's rotation at the same anatomical angles
             R = mirror_rotation(R)
         if self.bones.scapula is None:
-            R = glenohumeral_rotation(R, self.bones.rhythm)
+            R = self.bones.rhythm.pose(R, rest=self.bones.rest).rotation
         try:
             a, b, c = self.convention.angles(R).tolist()
         except LinkedPlaneError as error:
@@ -249,29 +253,6 @@ class PoseFrameReader:
 def stamp_in_nanoseconds(stamp: Any) -> int:
     """Return a message's stamp in ns."""
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
-
-
-def glenohumeral_rotation(thoracic: Floats, rhythm: float) -> Floats:
-    """Return the rotation of the humerus against the scapula from that against the thorax.
-
-    The scapula takes 1 / (1 + rhythm) of the elevation, in the plane of elevation (ISB's Y-X-Y):
-    an assumption on the average shoulder (Inman 1944: 2 to 1), not a measurement.
-
-    Parameters
-    ----------
-    thoracic
-        (3, 3), the model's axes.
-    rhythm
-        Glenohumeral to scapulothoracic elevation.
-
-    Returns
-    -------
-    rotation
-        (3, 3), the model's axes.
-    """
-    convention = JOINT_CONVENTIONS['isb_yxy']
-    plane, elevation, axial = convention.angles(thoracic)
-    return convention.rotation((plane, elevation * rhythm / (1.0 + rhythm), axial))
 
 
 def rotation_from_quaternion(x: float, y: float, z: float, w: float) -> Floats:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bags import EXACT, STORE, T0, Sent, read_csv, read_messages, write_bag
+from bags import STORE, T0, Sent, read_csv, read_messages, write_bag
 from rclpy.serialization import deserialize_message
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
@@ -18,7 +18,6 @@ from linkedplane_ros import JOINT_CONVENTIONS
 from linkedplane_ros.commands.main import main
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Task, run_task
-from linkedplane_ros.recordings.poses import glenohumeral_rotation
 
 
 def pose(k: int, topic: str, R: np.ndarray, kind: str = 'PoseStamped') -> Sent:
@@ -235,17 +234,40 @@ def test_against_the_thorax_the_scapula_takes_its_share_and_the_output_says_so(
     command = ['process', str(source), str(tmp_path / 'out.csv'), '--convention', 'isb_yxy']
     command += ['--humerus', '/humerus', '--thorax', '/thorax']
     assert main(command) == 0
-    assert 'the scapula takes 1 part of an elevation to 2' in capsys.readouterr().out
+    assert 'follows the humerus by constant_ratio 2 to 1' in capsys.readouterr().out
     facts, _, values = read_csv(tmp_path / 'out.csv')
     np.testing.assert_allclose(values[:, 1:4], ANGLES * (1.0, 2.0 / 3.0, 1.0), rtol=0, atol=1e-9)
-    assert facts['scapulohumeral_rhythm'] == '2 to 1'
+    assert facts['scapulohumeral_rhythm'] == 'constant_ratio 2 to 1'
     assert main([*command, '--rhythm', '1', '--force']) == 0
     np.testing.assert_allclose(
         read_csv(tmp_path / 'out.csv')[2][:, 2], ANGLES[:, 1] / 2.0, rtol=0, atol=1e-9
     )
 
 
-def test_the_rhythm_leaves_plane_and_axial_rotation_alone() -> None:
+def test_a_published_rhythm_starts_from_the_rest_that_is_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     convention = JOINT_CONVENTIONS['isb_yxy']
-    found = convention.angles(glenohumeral_rotation(convention.rotation((0.4, 1.5, -0.3)), 2.0))
-    np.testing.assert_allclose(found, (0.4, 1.0, -0.3), atol=EXACT)
+    sent = []
+    for k, angles in enumerate(ANGLES):
+        sent += [pose(k, '/thorax', np.eye(3)), pose(k, '/humerus', convention.rotation(angles))]
+    source = write_bag(tmp_path / 'in', sent)
+    command = ['process', str(source), str(tmp_path / 'out.csv'), '--humerus', '/humerus']
+    command += ['--thorax', '/thorax', '--rhythm', 'de_groot_brand2001']
+    assert main([*command, '--rest', '0.5', '0.1', '-0.2', '0.3', '0.2']) == 0
+    facts, _, values = read_csv(tmp_path / 'out.csv')
+    assert facts['scapulohumeral_rhythm'] == 'de_groot_brand2001'
+    assert facts['scapula_at_rest'] == '0.5 0.1 -0.2 0.3 0.2 rad'
+    for row, (plane, elevation, axial) in zip(values, ANGLES, strict=True):
+        # de Groot and Brand's slopes, in the model's axes: z up, -y back, x lateral
+        p, e = plane - 0.3, elevation - 0.2
+        slopes = np.array(((0.14, -0.049), (-0.079, 0.396), (-0.028, 0.184)))
+        turns = (0.5, 0.1, -0.2) + slopes @ (p, e)
+        S = Rotation.from_euler('ZYX', np.multiply(turns, (1, -1, 1)))
+        H = Rotation.from_euler('ZYZ', (plane, -elevation, axial))
+        flexion, minus_abduction, rotation = (S.inv() * H).as_euler('XYZ')
+        found = flexion, -minus_abduction, rotation
+        np.testing.assert_allclose(row[1:4], found, rtol=0, atol=1e-9)
+    line = 'linkedplane: --rest: 4 numbers given; 3 expected'
+    assert main([*command, '--rest', '1', '1', '1', '1', '--force']) == 1
+    assert line in capsys.readouterr().err

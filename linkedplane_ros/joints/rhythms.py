@@ -1,0 +1,395 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shoulder rhythms: how scapula and clavicle follow the humerus, where nobody measured them.
+
+All rotations are of the right shoulder, against the thorax, in the model's axes (x lateral,
+y anterior, z superior), between frames built on landmarks. The humerus is described by `isb_yxy`
+(plane of elevation, elevation, axial rotation), scapula and clavicle by `GIRDLE`: protraction about
+the upward axis, then lateral rotation (of the clavicle: elevation) about the backward one, then
+tilt (axial rotation) about the bone's own lateral axis. These are de Groot and Brand's y-z-y and
+y-z-x in Delft's axes (x right, y up, z back).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import LinkedPlaneError
+from ..types import Floats, Triple
+from .conventions import JOINT_CONVENTIONS, MINUS_Y, JointConvention, X, Z, as_triple
+from .rotations import as_rotation
+
+HUMERUS = JOINT_CONVENTIONS['isb_yxy']
+GIRDLE = JointConvention(
+    'girdle_yzx',
+    ('protraction', 'lateral_rotation', 'tilt'),
+    (Z, MINUS_Y, X),
+    (-np.pi / 2, np.pi / 2),
+    'R(z, protraction) R(-y, lateral_rotation) R(x, tilt)',
+    'thorax',
+)
+"""The angles of scapula and clavicle against the thorax."""
+Coefficients = tuple[float, float, float, float]
+"""rad of constant, then per rad of plane, elevation and rest angle."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A subject's girdle with the arm hanging, rad, as `GIRDLE`; the defaults are DSEM's means."""
+
+    scapula: Triple = (0.559332, 0.186211, -0.180122)  # 32.05, 10.67, -10.32 deg
+    clavicle: Triple = (-0.498699, 0.203851, 0.130586)  # -28.57, 11.68, 7.48 deg
+    humerus: tuple[float, float] | None = None
+    """Plane of elevation and elevation, rad, at which the girdle is so; None: not known."""
+
+    def __str__(self) -> str:
+        angles = ' '.join(f'{each:.6g}' for each in (*self.scapula, *(self.humerus or ())))
+        return f'{angles} rad'
+
+    def __post_init__(self) -> None:
+        as_triple('rest: scapula', self.scapula, 'rad')
+        as_triple('rest: clavicle', self.clavicle, 'rad')
+        if self.humerus is not None:
+            as_triple('rest: humerus', (*self.humerus, 0.0), 'rad')
+
+    @classmethod
+    def measured(
+        cls, scapula: npt.ArrayLike, clavicle: npt.ArrayLike, humerus: npt.ArrayLike
+    ) -> Rest:
+        """Return the rest of measured poses.
+
+        Parameters
+        ----------
+        scapula, clavicle, humerus
+            (3, 3) against the thorax, right shoulder, the model's axes; as a mean of still frames.
+
+        Returns
+        -------
+        Rest
+            Its angles, those of the humerus included.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but proper rotations.
+        """
+        plane, elevation, _ = HUMERUS.angles(humerus).tolist()
+        a, b, c = GIRDLE.angles(scapula).tolist()
+        d, e, f = GIRDLE.angles(clavicle).tolist()
+        return cls((a, b, c), (d, e, f), (plane, elevation))
+
+
+@dataclass(frozen=True, eq=False)
+class GirdlePose:
+    """The bones of the girdle at a pose of the humerus, and how they turn with its coordinates."""
+
+    scapula: Floats
+    """(3, 3) scapula -> thorax."""
+    clavicle: Floats
+    """(3, 3) clavicle -> thorax; without a rhythm of its own it keeps its place at the scapula."""
+    humerus: Floats
+    """(3, 3) humerus -> thorax, as it was given."""
+    scapula_axes: Floats
+    """(3, 3) column j: how the scapula turns with coordinate j of the humerus, thorax's axes."""
+    clavicle_axes: Floats
+    humerus_axes: Floats
+
+    @property
+    def rotation(self) -> Floats:
+        """(3, 3) humerus -> scapula: what a muscle's solver takes."""
+        return np.asarray(self.scapula.T @ self.humerus)
+
+    @property
+    def axes(self) -> Floats:
+        """(3, 3) column j: how the humerus turns against the scapula with coordinate j.
+
+        In the scapula's axes; ``moment_vectors @ axes`` are the moment arms about the coordinates
+        of the humerus against the thorax, what follows them included. They are no unit vectors.
+        """
+        return np.asarray(self.scapula.T @ (self.humerus_axes - self.scapula_axes))
+
+
+@dataclass(frozen=True)
+class Rhythm(ABC):
+    """How the girdle follows the humerus."""
+
+    name: str
+    source: str
+    valid: str
+    """For which motions it was made."""
+    tested: str
+    """Against what it was tested here, and how far off it was."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def pose(
+        self,
+        humerus: npt.ArrayLike,
+        humerus_axes: npt.ArrayLike | None = None,
+        rest: Rest | None = None,
+    ) -> GirdlePose:
+        """Return the girdle at a pose of the humerus.
+
+        Parameters
+        ----------
+        humerus
+            (3, 3) humerus -> thorax, right shoulder, the model's axes.
+        humerus_axes
+            (3, 3) column j is the axis about which coordinate j turns the humerus, thorax's axes
+            (`JointConvention.axes` of angles against the thorax); None: the three axes of the
+            thorax.
+        rest
+            The subject's rest; None: that of an average one.
+
+        Returns
+        -------
+        GirdlePose
+            The bones against the thorax, and how they turn with the humerus' coordinates.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but a proper rotation.
+        """
+        H = as_rotation(humerus)
+        axes = np.eye(3) if humerus_axes is None else np.asarray(humerus_axes, dtype=np.float64)
+        angles = HUMERUS.angles(H)
+        per_turn = _per_turn(HUMERUS.axes(angles)) @ axes
+        S, scapula_turn = self.scapula(angles, rest)
+        C, clavicle_turn = self.clavicle(angles, rest, S, scapula_turn)
+        return GirdlePose(S, C, H, scapula_turn @ per_turn, clavicle_turn @ per_turn, axes)
+
+    @abstractmethod
+    def scapula(self, angles: Floats, rest: Rest | None) -> tuple[Floats, Floats]:
+        """Return the scapula at angles of the humerus, and how it turns with them.
+
+        Parameters
+        ----------
+        angles
+            (3,) rad, of `isb_yxy`, against the thorax.
+        rest
+            As for `pose`.
+
+        Returns
+        -------
+        scapula : Floats
+            (3, 3) scapula -> thorax.
+        turn : Floats
+            (3, 3) column j is its turn with angle j, thorax's axes.
+        """
+
+    def clavicle(
+        self, angles: Floats, rest: Rest | None, scapula: Floats, turn: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the same of the clavicle; here it keeps its place against the scapula.
+
+        Parameters
+        ----------
+        angles, rest
+            As for `scapula`.
+        scapula, turn
+            What that returns.
+
+        Returns
+        -------
+        clavicle : Floats
+            (3, 3) clavicle -> thorax.
+        turn : Floats
+            (3, 3) column j is its turn with angle j, thorax's axes.
+        """
+        return scapula @ _clavicle_at_rest(rest), turn
+
+
+def _per_turn(axes: Floats) -> Floats:
+    """Return how much of each angle a turn takes, as the inverse of the angles' axes.
+
+    Where plane and axial rotation are about one axis (arm at the side) the turn is theirs
+    together: it is counted half and half, and a turn across counts as none in them.
+    """
+    return np.asarray(np.linalg.pinv(axes, rcond=1e-9))
+
+
+@dataclass(frozen=True)
+class ConstantRatio(Rhythm):
+    """The scapula takes a share of each elevation, in the plane of elevation."""
+
+    ratio: float
+    """Glenohumeral to scapulothoracic elevation."""
+
+    def __str__(self) -> str:
+        return f'{self.name} {self.ratio:g} to 1'
+
+    def scapula(self, angles: Floats, rest: Rest | None) -> tuple[Floats, Floats]:
+        """Return the scapula; without a rest its frame is the thorax's, arm at the side."""
+        S, turn = self._since_side(angles)
+        if rest is None:
+            return S, turn
+        start = GIRDLE.rotation(rest.scapula)
+        if rest.humerus is not None:
+            start = self._since_side(np.array((*rest.humerus, 0.0)))[0].T @ start
+        return S @ start, turn
+
+    def _since_side(self, angles: Floats) -> tuple[Floats, Floats]:
+        share = np.array((1.0, self.ratio / (1.0 + self.ratio), 1.0))
+        H, humerus_axes = HUMERUS.rotation_and_axes(angles)
+        G, glenohumeral_axes = HUMERUS.rotation_and_axes(share * angles)
+        S = H @ G.T
+        return S, humerus_axes - S @ glenohumeral_axes * share
+
+
+@dataclass(frozen=True)
+class LinearRhythm(Rhythm):
+    """Angles of scapula and clavicle, linear in the humerus' plane of elevation and elevation."""
+
+    scapula_coefficients: tuple[Coefficients, Coefficients, Coefficients]
+    """Of protraction, lateral rotation and tilt."""
+    clavicle_coefficients: tuple[Coefficients, Coefficients] | None = None
+    """Of protraction and elevation; its axial rotation is that of the least turn of the AC joint
+    since rest. None: it keeps its place at the scapula."""
+
+    @cached_property
+    def _scapula_slopes(self) -> Floats:
+        return _slopes(self.scapula_coefficients)
+
+    @cached_property
+    def _clavicle_slopes(self) -> Floats:
+        return _slopes((*(self.clavicle_coefficients or ()), (0.0, 0.0, 0.0, 0.0)))
+
+    def scapula(self, angles: Floats, rest: Rest | None) -> tuple[Floats, Floats]:
+        """Return the scapula: from the rest on where all of it is known, else by the constants."""
+        rest = rest or Rest()
+        own = _linear(self.scapula_coefficients, angles, rest.scapula, rest.humerus)
+        S, axes = GIRDLE.rotation_and_axes(own)
+        return S, axes @ self._scapula_slopes
+
+    def clavicle(
+        self, angles: Floats, rest: Rest | None, scapula: Floats, turn: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the clavicle: two angles by the coefficients, the third by the scapula."""
+        if self.clavicle_coefficients is None:
+            return super().clavicle(angles, rest, scapula, turn)
+        at_rest = _clavicle_at_rest(rest)
+        rest = rest or Rest()
+        two = _linear(self.clavicle_coefficients, angles, rest.clavicle[:2], rest.humerus)
+        C, axes = GIRDLE.rotation_and_axes((*two, 0.0))
+        own_turn = axes @ self._clavicle_slopes
+        # the AC joint's turn since rest, C^T A, is least where its trace is largest
+        A = C.T @ scapula @ at_rest
+        sine, cosine = A[2, 1] - A[1, 2], A[1, 1] + A[2, 2]
+        moved = [C.T @ _cross(each) @ scapula @ at_rest for each in (turn - own_turn).T]
+        axial_turn = np.array(
+            [cosine * (D[2, 1] - D[1, 2]) - sine * (D[1, 1] + D[2, 2]) for D in moved]
+        ) / (sine * sine + cosine * cosine)
+        C = GIRDLE.rotation((*two, np.arctan2(sine, cosine)))
+        return C, own_turn + np.outer(C[:, 0], axial_turn)
+
+
+def _clavicle_at_rest(rest: Rest | None) -> Floats:
+    """Return clavicle -> scapula (3, 3) at rest."""
+    rest = rest or Rest()
+    return np.asarray(GIRDLE.rotation(rest.scapula).T @ GIRDLE.rotation(rest.clavicle))
+
+
+def _slopes(coefficients: tuple[Coefficients, ...]) -> Floats:
+    """Return (3, 3) rad of each angle per rad of plane, elevation and axial rotation."""
+    return np.array([(plane, elevation, 0.0) for _, plane, elevation, _ in coefficients])
+
+
+def _linear(
+    coefficients: tuple[Coefficients, ...],
+    angles: Floats,
+    rest: tuple[float, ...],
+    humerus: tuple[float, float] | None,
+) -> list[float]:
+    plane, elevation, _ = angles.tolist()
+    if humerus is None:
+        return [
+            constant + a * plane + b * elevation + c * start
+            for (constant, a, b, c), start in zip(coefficients, rest, strict=True)
+        ]
+    plane, elevation = np.remainder(plane - humerus[0] + np.pi, 2 * np.pi) - np.pi, elevation
+    return [
+        start + a * plane + b * (elevation - humerus[1])
+        for (_, a, b, _), start in zip(coefficients, rest, strict=True)
+    ]
+
+
+def _cross(w: Floats) -> Floats:
+    x, y, z = w.tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+
+
+def _degrees(constant: float, plane: float, elevation: float, rest: float) -> Coefficients:
+    return float(np.radians(constant)), plane, elevation, rest
+
+
+def _tested(*figures: float) -> str:
+    turn, mean, worst, shrug_turn, shrug_mean, shrug_worst = figures
+    return (
+        'one subject, rest taken from the first frame; mean error of the scapula, mean and worst '
+        f'in band length of the deltoid: an abduction to 155 deg {turn:.1f} deg, {mean:.1f} mm, '
+        f'{worst:.1f} mm; a shrug {shrug_turn:.1f} deg, {shrug_mean:.1f} mm, {shrug_worst:.1f} mm'
+    )
+
+
+_RHYTHMS: tuple[Rhythm, ...] = (
+    ConstantRatio(
+        'constant_ratio',
+        'Inman, Saunders, Abbott 1944: 2 to 1 on the average',
+        'raising the arm in any plane, on the average shoulder',
+        _tested(14.1, 4.2, 18.6, 4.9, 1.4, 8.9),
+        ratio=2.0,
+    ),
+    LinearRhythm(
+        'de_groot_brand2001',
+        'de Groot, Brand 2001, Clin Biomech 16:735-743; coefficients as in two public models that '
+        'agree (TechForParalysis, AnyBody); the paper itself was not seen',
+        '10 subjects, 23 positions of the arm, loads up to 20 N',
+        _tested(12.8, 3.5, 20.5, 5.5, 1.6, 9.6),
+        (
+            _degrees(-1.203, 0.140, -0.049, 0.901),
+            _degrees(3.095, -0.079, 0.396, 0.414),
+            _degrees(0.659, -0.028, 0.184, 0.886),
+        ),
+        (_degrees(-4.983, 0.120, -0.242, 0.851), _degrees(3.917, -0.046, 0.123, 0.493)),
+    ),
+    LinearRhythm(
+        'mobl_elevation',
+        'slopes of MoBL-ARMS 4.1 (Saul 2015) and MyoArm: those of de Groot and Brand without the '
+        "plane, and 0.1025, not 0.123, for the clavicle's elevation (a slip in these models, kept)",
+        'elevation alone, any plane',
+        _tested(10.7, 3.5, 18.0, 5.3, 1.5, 9.3),
+        ((0.0, 0.0, -0.049, 1.0), (0.0, 0.0, 0.396, 1.0), (0.0, 0.0, 0.178, 1.0)),
+        ((0.0, 0.0, -0.242, 1.0), (0.0, 0.0, 0.1025, 1.0)),
+    ),
+)
+RHYTHMS: Mapping[str, Rhythm] = MappingProxyType({rhythm.name: rhythm for rhythm in _RHYTHMS})
+"""The published rhythms by name."""
+
+
+def rhythm_from(name: str) -> Rhythm:
+    """Return a rhythm by its name, or the constant ratio that a number says.
+
+    Raises
+    ------
+    LinkedPlaneError
+        For another name, and for a ratio that is not a positive, finite number.
+    """
+    if name in RHYTHMS:
+        return RHYTHMS[name]
+    try:
+        ratio = float(name)
+    except ValueError:
+        ratio = -1.0
+    if not 0.0 < ratio < np.inf:
+        raise LinkedPlaneError(
+            f'rhythm: {name!r} given, one of {", ".join(RHYTHMS)} or a ratio above 0 expected'
+        )
+    return ConstantRatio('constant_ratio', 'given as a number', 'unknown', '', ratio=ratio)
