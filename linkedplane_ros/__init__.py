@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .errors import LinkedPlaneError, ModelError, RecordingError, SkeletonError
     from .joints.conventions import JOINT_CONVENTIONS, JointConvention
-    from .joints.rhythms import RHYTHMS, Rest, Rhythm
     from .muscle.broad_muscle import BroadMuscle, Head, Landmark
+    from .skeleton.girdle import Rest
+    from .skeleton.rhythms import RHYTHMS, Rhythm
     from .skeleton.skeleton import Skeleton
     from .solver.linked_plane_solver import LinkedPlaneSolver
     from .solver.states import MuscleState, MuscleStates, WrapState
@@ -42,8 +43,9 @@ __all__ = [
 _PLACES = {
     'errors': ('LinkedPlaneError', 'ModelError', 'RecordingError', 'SkeletonError'),
     'joints.conventions': ('JOINT_CONVENTIONS', 'JointConvention'),
-    'joints.rhythms': ('RHYTHMS', 'Rest', 'Rhythm'),
     'muscle.broad_muscle': ('BroadMuscle', 'Head', 'Landmark'),
+    'skeleton.girdle': ('Rest',),
+    'skeleton.rhythms': ('RHYTHMS', 'Rhythm'),
     'skeleton.skeleton': ('Skeleton',),
     'solver.linked_plane_solver': ('LinkedPlaneSolver',),
     'solver.states': ('MuscleState', 'MuscleStates', 'WrapState'),

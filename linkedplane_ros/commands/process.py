@@ -68,7 +68,7 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
     base.add_argument('--thorax', metavar='NAME',
                       help='the same, where the scapula follows by a rhythm (--rhythm)')
     add('--rhythm', metavar='NAME',
-        help='how it follows, with --thorax: constant_ratio, de_groot_brand2001, mobl_elevation, '
+        help='how it follows, with --thorax: constant_ratio, de_groot_brand_2001, mobl, '
         'or a number, the ratio of glenohumeral to scapulothoracic elevation (default: 2)')
     add('--rest', nargs='+', type=float, metavar='RAD',
         help='the scapula with the arm hanging, as the rhythm starts from it: protraction, lateral '

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..joints.joint_state import JointMap
-from ..joints.rhythms import Rest, rhythm_from
 from ..recordings.poses import BoneFrames
+from ..skeleton.girdle import Rest
+from ..skeleton.rhythms import rhythm_from
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,8 +16,9 @@ import numpy as np
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JointConvention
 from ..joints.joint_state import Rejected, summarize_names
-from ..joints.rhythms import RHYTHMS, Rest, Rhythm
 from ..joints.sides import mirror_rotation
+from ..skeleton.girdle import Rest
+from ..skeleton.rhythms import RHYTHMS, Rhythm
 from ..types import Floats, Triple
 from .motion import Frame, Place, Refused
 from .units import AngleRange, AngleUnit

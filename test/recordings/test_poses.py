@@ -253,10 +253,10 @@ def test_a_published_rhythm_starts_from_the_rest_that_is_given(
         sent += [pose(k, '/thorax', np.eye(3)), pose(k, '/humerus', convention.rotation(angles))]
     source = write_bag(tmp_path / 'in', sent)
     command = ['process', str(source), str(tmp_path / 'out.csv'), '--humerus', '/humerus']
-    command += ['--thorax', '/thorax', '--rhythm', 'de_groot_brand2001']
+    command += ['--thorax', '/thorax', '--rhythm', 'de_groot_brand_2001']
     assert main([*command, '--rest', '0.5', '0.1', '-0.2', '0.3', '0.2']) == 0
     facts, _, values = read_csv(tmp_path / 'out.csv')
-    assert facts['scapulohumeral_rhythm'] == 'de_groot_brand2001'
+    assert facts['scapulohumeral_rhythm'] == 'de_groot_brand_2001'
     assert facts['scapula_at_rest'] == '0.5 0.1 -0.2 0.3 0.2 rad'
     for row, (plane, elevation, axial) in zip(values, ANGLES, strict=True):
         # de Groot and Brand's slopes, in the model's axes: z up, -y back, x lateral

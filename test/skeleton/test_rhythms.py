@@ -9,20 +9,27 @@ from typing import Any
 
 import numpy as np
 import pytest
-from convention_angles import random_angles
 from optional import requires
 from reference import Array
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
-from linkedplane_ros import BroadMuscle, LinkedPlaneError, LinkedPlaneSolver
+from linkedplane_ros import BroadMuscle, LinkedPlaneError, LinkedPlaneSolver, Skeleton
 from linkedplane_ros.joints.conventions import JOINT_CONVENTIONS
-from linkedplane_ros.joints.rhythms import RHYTHMS, LinearRhythm, Rest, Rhythm, rhythm_from
+from linkedplane_ros.skeleton.girdle import Rest
+from linkedplane_ros.skeleton.rhythms import RHYTHMS, LinearRhythm, Rhythm, rhythm_from
 
 DELFT = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)))  # of the model's axes
 MEAN_SCAPULA, MEAN_CLAVICLE = (32.047376, 10.669100, -10.320259), (-28.573324, 11.679804, 7.4820950)
 REST = Rest((0.4, -0.1, -0.2), (-0.6, 0.1, 0.05), (-0.3, 0.25))
 ISB = JOINT_CONVENTIONS['isb_yxy']
+
+
+def random_angles(count: int, seed: int) -> Array:
+    """Return angles (count, 3), away from the arm at the side."""
+    return np.random.default_rng(seed).uniform([-3.1, 0.1, -3.1], [3.1, 1.5, 3.1], (count, 3))
+
+
 POSES = [ISB.rotation(each) for each in random_angles(30, seed=8)]
 
 
@@ -60,7 +67,7 @@ def test_the_regression_is_the_published_one(shared: Path) -> None:
         def predict(name: str, rest: float, known: Array = known) -> float:
             return float(by_name[name] @ (*known, rest))
 
-        pose = RHYTHMS['de_groot_brand2001'].pose(H)
+        pose = RHYTHMS['de_groot_brand_2001'].pose(H)
         names = 'scapula_y_protraction', 'scapula_z_lateral_rotation', 'scapula_x_tilt'
         S = from_delft('YZX', [predict(*each) for each in zip(names, MEAN_SCAPULA, strict=True)])
         np.testing.assert_allclose(pose.scapula, S, rtol=0, atol=1e-6)
@@ -132,15 +139,40 @@ def test_at_rest_the_girdle_is_as_it_was_measured(rhythm: Rhythm) -> None:
     assert Rotation.from_matrix(beyond @ S.T).magnitude() < 0.1
 
 
+@pytest.mark.parametrize('rhythm', RHYTHMS.values(), ids=list(RHYTHMS))
+def test_the_bones_hang_together_at_the_joints_of_the_girdle(rhythm: Rhythm) -> None:
+    tree = Skeleton.load('shoulder_girdle').tree
+    places = {joint.name: np.array(joint.xyz) for joint in tree.joints}
+    for angles in random_angles(10, seed=4):
+        bones, pose = rhythm.bones(angles, REST), rhythm.pose(ISB.rotation(angles), rest=REST)
+        (C, c), (S, s), (H, h) = (bones[bone] for bone in ('clavicle', 'scapula', 'humerus'))
+        assert (C == pose.clavicle).all()
+        assert (S == pose.scapula).all()
+        np.testing.assert_allclose(H, ISB.rotation(angles), rtol=0, atol=1e-15)
+        np.testing.assert_allclose(c, places['sc_protraction'], rtol=0, atol=0)
+        acromion = c + C @ places['ac_protraction']
+        from_scapula = s - S @ places['acromion_to_glenoid']
+        np.testing.assert_allclose(from_scapula, acromion, rtol=0, atol=1e-15)  # m
+        np.testing.assert_allclose(h, s, rtol=0, atol=0)
+    assert rhythm.source
+    assert rhythm.range[0] < rhythm.range[1]
+
+
+def test_the_bones_of_what_are_no_angles_are_refused() -> None:
+    for angles in ((1.0, 2.0), (1.0, np.nan, 0.0), 'abc', None):
+        with pytest.raises(LinkedPlaneError, match=r'^angles'):
+            RHYTHMS['mobl'].bones(angles)
+
+
 @requires('rosbags')
 @pytest.mark.parametrize(
     ('recording', 'name', 'worth'),
     [  # ../shared/spec/bones.md, section 7: deg, mean; mm, mean and worst
-        ('girdle_abduction_mcap', 'de_groot_brand2001', (12.7, 3.5, 20.5)),
-        ('girdle_abduction_mcap', 'mobl_elevation', (10.7, 3.5, 18.0)),
+        ('girdle_abduction_mcap', 'de_groot_brand_2001', (12.7, 3.5, 20.5)),
+        ('girdle_abduction_mcap', 'mobl', (10.7, 3.5, 18.0)),
         ('girdle_abduction_mcap', 'third', (11.7, 4.0, 17.3)),
-        ('girdle_shrug_mcap', 'de_groot_brand2001', (5.5, 1.6, 9.5)),
-        ('girdle_shrug_mcap', 'mobl_elevation', (5.3, 1.5, 9.3)),
+        ('girdle_shrug_mcap', 'de_groot_brand_2001', (5.5, 1.6, 9.5)),
+        ('girdle_shrug_mcap', 'mobl', (5.3, 1.5, 9.3)),
         ('girdle_shrug_mcap', 'third', (5.1, 1.5, 9.1)),
     ],
 )
@@ -148,7 +180,7 @@ def test_what_a_rhythm_is_worth_on_real_motion(
     shared: Path, recording: str, name: str, worth: tuple[float, float, float]
 ) -> None:
     none, third = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1 / 3, 1.0)
-    rhythm = RHYTHMS.get(name) or LinearRhythm(name, '', '', '', (none, third, none))
+    rhythm = RHYTHMS.get(name) or LinearRhythm(name, '', '', (0.0, 3.0), '', (none, third, none))
     poses = girdle_poses(shared / 'recordings' / recording)
     found = errors(rhythm, {bone: rotations[::4] for bone, rotations in poses.items()})
     assert found == pytest.approx(worth, abs=0.0501)

@@ -1,12 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shoulder rhythms: how scapula and clavicle follow the humerus, where nobody measured them.
 
-All rotations are of the right shoulder, against the thorax, in the model's axes (x lateral,
-y anterior, z superior), between frames built on landmarks. The humerus is described by `isb_yxy`
-(plane of elevation, elevation, axial rotation), scapula and clavicle by `GIRDLE`: protraction about
-the upward axis, then lateral rotation (of the clavicle: elevation) about the backward one, then
-tilt (axial rotation) about the bone's own lateral axis. These are de Groot and Brand's y-z-y and
-y-z-x in Delft's axes (x right, y up, z back).
+Frames, axes and angles are those of `girdle`.
 """
 
 from __future__ import annotations
@@ -21,98 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import LinkedPlaneError
-from ..types import Floats, Triple
-from .conventions import JOINT_CONVENTIONS, MINUS_Y, JointConvention, X, Z, as_triple
-from .rotations import as_rotation
+from ..joints.rotations import as_rotation
+from ..types import Floats, Interval
+from .girdle import GIRDLE, HUMERUS, GirdlePose, Rest
+from .skeleton import Pose
 
-HUMERUS = JOINT_CONVENTIONS['isb_yxy']
-GIRDLE = JointConvention(
-    'girdle_yzx',
-    ('protraction', 'lateral_rotation', 'tilt'),
-    (Z, MINUS_Y, X),
-    (-np.pi / 2, np.pi / 2),
-    'R(z, protraction) R(-y, lateral_rotation) R(x, tilt)',
-    'thorax',
-)
-"""The angles of scapula and clavicle against the thorax."""
 Coefficients = tuple[float, float, float, float]
 """rad of constant, then per rad of plane, elevation and rest angle."""
-
-
-@dataclass(frozen=True)
-class Rest:
-    """A subject's girdle with the arm hanging, rad, as `GIRDLE`; the defaults are DSEM's means."""
-
-    scapula: Triple = (0.559332, 0.186211, -0.180122)  # 32.05, 10.67, -10.32 deg
-    clavicle: Triple = (-0.498699, 0.203851, 0.130586)  # -28.57, 11.68, 7.48 deg
-    humerus: tuple[float, float] | None = None
-    """Plane of elevation and elevation, rad, at which the girdle is so; None: not known."""
-
-    def __str__(self) -> str:
-        angles = ' '.join(f'{each:.6g}' for each in (*self.scapula, *(self.humerus or ())))
-        return f'{angles} rad'
-
-    def __post_init__(self) -> None:
-        as_triple('rest: scapula', self.scapula, 'rad')
-        as_triple('rest: clavicle', self.clavicle, 'rad')
-        if self.humerus is not None:
-            as_triple('rest: humerus', (*self.humerus, 0.0), 'rad')
-
-    @classmethod
-    def measured(
-        cls, scapula: npt.ArrayLike, clavicle: npt.ArrayLike, humerus: npt.ArrayLike
-    ) -> Rest:
-        """Return the rest of measured poses.
-
-        Parameters
-        ----------
-        scapula, clavicle, humerus
-            (3, 3) against the thorax, right shoulder, the model's axes; as a mean of still frames.
-
-        Returns
-        -------
-        Rest
-            Its angles, those of the humerus included.
-
-        Raises
-        ------
-        LinkedPlaneError
-            For anything but proper rotations.
-        """
-        plane, elevation, _ = HUMERUS.angles(humerus).tolist()
-        a, b, c = GIRDLE.angles(scapula).tolist()
-        d, e, f = GIRDLE.angles(clavicle).tolist()
-        return cls((a, b, c), (d, e, f), (plane, elevation))
-
-
-@dataclass(frozen=True, eq=False)
-class GirdlePose:
-    """The bones of the girdle at a pose of the humerus, and how they turn with its coordinates."""
-
-    scapula: Floats
-    """(3, 3) scapula -> thorax."""
-    clavicle: Floats
-    """(3, 3) clavicle -> thorax; without a rhythm of its own it keeps its place at the scapula."""
-    humerus: Floats
-    """(3, 3) humerus -> thorax, as it was given."""
-    scapula_axes: Floats
-    """(3, 3) column j: how the scapula turns with coordinate j of the humerus, thorax's axes."""
-    clavicle_axes: Floats
-    humerus_axes: Floats
-
-    @property
-    def rotation(self) -> Floats:
-        """(3, 3) humerus -> scapula: what a muscle's solver takes."""
-        return np.asarray(self.scapula.T @ self.humerus)
-
-    @property
-    def axes(self) -> Floats:
-        """(3, 3) column j: how the humerus turns against the scapula with coordinate j.
-
-        In the scapula's axes; ``moment_vectors @ axes`` are the moment arms about the coordinates
-        of the humerus against the thorax, what follows them included. They are no unit vectors.
-        """
-        return np.asarray(self.scapula.T @ (self.humerus_axes - self.scapula_axes))
 
 
 @dataclass(frozen=True)
@@ -123,11 +33,36 @@ class Rhythm(ABC):
     source: str
     valid: str
     """For which motions it was made."""
+    range: Interval
+    """The elevations of the humerus against the thorax, rad, for which it is meant; not held to."""
     tested: str
     """Against what it was tested here, and how far off it was."""
 
     def __str__(self) -> str:
         return self.name
+
+    def bones(self, angles: npt.ArrayLike, rest: Rest | None = None) -> dict[str, Pose]:
+        """Return where the bones are at angles of the humerus.
+
+        Parameters
+        ----------
+        angles
+            (3,) rad, of `isb_yxy`, against the thorax.
+        rest
+            As for `pose`.
+
+        Returns
+        -------
+        dict
+            Of clavicle, scapula and humerus (R, t), (3, 3) and (3,) m, in the thorax's frame; the
+            joints' centres are those of the bundled skeleton `shoulder_girdle`.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but three finite numbers.
+        """
+        return self.pose(HUMERUS.rotation(angles), rest=rest).bones
 
     def pose(
         self,
@@ -344,14 +279,16 @@ _RHYTHMS: tuple[Rhythm, ...] = (
         'constant_ratio',
         'Inman, Saunders, Abbott 1944: 2 to 1 on the average',
         'raising the arm in any plane, on the average shoulder',
+        (0.0, np.pi),
         _tested(14.1, 4.2, 18.6, 4.9, 1.4, 8.9),
         ratio=2.0,
     ),
     LinearRhythm(
-        'de_groot_brand2001',
+        'de_groot_brand_2001',
         'de Groot, Brand 2001, Clin Biomech 16:735-743; coefficients as in two public models that '
         'agree (TechForParalysis, AnyBody); the paper itself was not seen',
         '10 subjects, 23 positions of the arm, loads up to 20 N',
+        (0.0, np.pi),
         _tested(12.8, 3.5, 20.5, 5.5, 1.6, 9.6),
         (
             _degrees(-1.203, 0.140, -0.049, 0.901),
@@ -361,10 +298,11 @@ _RHYTHMS: tuple[Rhythm, ...] = (
         (_degrees(-4.983, 0.120, -0.242, 0.851), _degrees(3.917, -0.046, 0.123, 0.493)),
     ),
     LinearRhythm(
-        'mobl_elevation',
+        'mobl',
         'slopes of MoBL-ARMS 4.1 (Saul 2015) and MyoArm: those of de Groot and Brand without the '
         "plane, and 0.1025, not 0.123, for the clavicle's elevation (a slip in these models, kept)",
         'elevation alone, any plane',
+        (0.0, 2.61799),
         _tested(10.7, 3.5, 18.0, 5.3, 1.5, 9.3),
         ((0.0, 0.0, -0.049, 1.0), (0.0, 0.0, 0.396, 1.0), (0.0, 0.0, 0.178, 1.0)),
         ((0.0, 0.0, -0.242, 1.0), (0.0, 0.0, 0.1025, 1.0)),
@@ -392,4 +330,6 @@ def rhythm_from(name: str) -> Rhythm:
         raise LinkedPlaneError(
             f'rhythm: {name!r} given, one of {", ".join(RHYTHMS)} or a ratio above 0 expected'
         )
-    return ConstantRatio('constant_ratio', 'given as a number', 'unknown', '', ratio=ratio)
+    return ConstantRatio(
+        'constant_ratio', 'given as a number', 'unknown', (0.0, np.pi), '', ratio=ratio
+    )

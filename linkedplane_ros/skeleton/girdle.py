@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The bones of the shoulder girdle against the thorax: at rest, and at a pose of the humerus.
+
+All rotations are of the right shoulder, against the thorax, in the model's axes (x lateral,
+y anterior, z superior), between frames built on landmarks. The humerus is described by `isb_yxy`
+(plane of elevation, elevation, axial rotation), scapula and clavicle by `GIRDLE`: protraction about
+the upward axis, then lateral rotation (of the clavicle: elevation) about the backward one, then
+tilt (axial rotation) about the bone's own lateral axis. These are de Groot and Brand's y-z-y and
+y-z-x in Delft's axes (x right, y up, z back).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+
+from ..joints.conventions import JOINT_CONVENTIONS, MINUS_Y, JointConvention, X, Z, as_triple
+from ..types import Floats, Triple
+from .skeleton import Pose, Skeleton
+
+HUMERUS = JOINT_CONVENTIONS['isb_yxy']
+GIRDLE = JointConvention(
+    'girdle_yzx',
+    ('protraction', 'lateral_rotation', 'tilt'),
+    (Z, MINUS_Y, X),
+    (-np.pi / 2, np.pi / 2),
+    'R(z, protraction) R(-y, lateral_rotation) R(x, tilt)',
+    'thorax',
+)
+"""The angles of scapula and clavicle against the thorax."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A subject's girdle with the arm hanging, rad, as `GIRDLE`; the defaults are DSEM's means."""
+
+    scapula: Triple = (0.559332, 0.186211, -0.180122)  # 32.05, 10.67, -10.32 deg
+    clavicle: Triple = (-0.498699, 0.203851, 0.130586)  # -28.57, 11.68, 7.48 deg
+    humerus: tuple[float, float] | None = None
+    """Plane of elevation and elevation, rad, at which the girdle is so; None: not known."""
+
+    def __str__(self) -> str:
+        angles = ' '.join(f'{each:.6g}' for each in (*self.scapula, *(self.humerus or ())))
+        return f'{angles} rad'
+
+    def __post_init__(self) -> None:
+        as_triple('rest: scapula', self.scapula, 'rad')
+        as_triple('rest: clavicle', self.clavicle, 'rad')
+        if self.humerus is not None:
+            as_triple('rest: humerus', (*self.humerus, 0.0), 'rad')
+
+    @classmethod
+    def measured(
+        cls, scapula: npt.ArrayLike, clavicle: npt.ArrayLike, humerus: npt.ArrayLike
+    ) -> Rest:
+        """Return the rest of measured poses.
+
+        Parameters
+        ----------
+        scapula, clavicle, humerus
+            (3, 3) against the thorax, right shoulder, the model's axes; as a mean of still frames.
+
+        Returns
+        -------
+        Rest
+            Its angles, those of the humerus included.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but proper rotations.
+        """
+        plane, elevation, _ = HUMERUS.angles(humerus).tolist()
+        a, b, c = GIRDLE.angles(scapula).tolist()
+        d, e, f = GIRDLE.angles(clavicle).tolist()
+        return cls((a, b, c), (d, e, f), (plane, elevation))
+
+
+@dataclass(frozen=True, eq=False)
+class GirdlePose:
+    """The bones of the girdle at a pose of the humerus, and how they turn with its coordinates."""
+
+    scapula: Floats
+    """(3, 3) scapula -> thorax."""
+    clavicle: Floats
+    """(3, 3) clavicle -> thorax; without a rhythm of its own it keeps its place at the scapula."""
+    humerus: Floats
+    """(3, 3) humerus -> thorax, as it was given."""
+    scapula_axes: Floats
+    """(3, 3) column j: how the scapula turns with coordinate j of the humerus, thorax's axes."""
+    clavicle_axes: Floats
+    humerus_axes: Floats
+
+    @property
+    def rotation(self) -> Floats:
+        """(3, 3) humerus -> scapula: what a muscle's solver takes."""
+        return np.asarray(self.scapula.T @ self.humerus)
+
+    @property
+    def axes(self) -> Floats:
+        """(3, 3) column j: how the humerus turns against the scapula with coordinate j.
+
+        In the scapula's axes; ``moment_vectors @ axes`` are the moment arms about the coordinates
+        of the humerus against the thorax, what follows them included. They are no unit vectors.
+        """
+        return np.asarray(self.scapula.T @ (self.humerus_axes - self.scapula_axes))
+
+    @property
+    def bones(self) -> dict[str, Pose]:
+        """(R, t) of clavicle, scapula and humerus, (3, 3) and (3,) m, in the thorax's frame.
+
+        The joints' centres are those of the bundled skeleton `shoulder_girdle`.
+        """
+        sternoclavicular, acromion, glenoid = joint_centres()
+        centre = sternoclavicular + self.clavicle @ acromion + self.scapula @ glenoid
+        return {
+            'clavicle': (self.clavicle, sternoclavicular.copy()),
+            'scapula': (self.scapula, centre),
+            'humerus': (self.humerus, centre.copy()),
+        }
+
+
+@cache
+def joint_centres() -> tuple[Floats, Floats, Floats]:
+    """Return SC in the thorax, AC in the clavicle, and the glenoid from AC in the scapula, m."""
+    joints = {joint.name: joint for joint in Skeleton.load('shoulder_girdle').tree.joints}
+    names = 'sc_protraction', 'ac_protraction', 'acromion_to_glenoid'
+    first, second, third = (np.array(joints[name].xyz) for name in names)
+    return first, second, third
