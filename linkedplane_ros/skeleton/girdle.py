@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from ..joints.conventions import JOINT_CONVENTIONS, MINUS_Y, JointConvention, X, Z, as_triple
 from ..types import Floats, Triple
-from .skeleton import Pose, Skeleton
+from .skeleton import BonePose, Skeleton
 
 HUMERUS = JOINT_CONVENTIONS['isb_yxy']
 GIRDLE = JointConvention(
@@ -109,7 +109,7 @@ class GirdlePose:
         return np.asarray(self.scapula.T @ (self.humerus_axes - self.scapula_axes))
 
     @property
-    def bones(self) -> dict[str, Pose]:
+    def bones(self) -> dict[str, BonePose]:
         """(R, t) of clavicle, scapula and humerus, (3, 3) and (3,) m, in the thorax's frame.
 
         The joints' centres are those of the bundled skeleton `shoulder_girdle`.

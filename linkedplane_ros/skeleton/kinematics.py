@@ -43,7 +43,7 @@ class Chain(NamedTuple):
     bones: Integers
     """(1 + k,) the bones' links, the ground's first."""
     frames: Floats
-    """(k, 3, 4) the moving bones' frames in their links."""
+    """(1 + k, 3, 4) the bones' frames in their links."""
     ways: Integers
     """(k, j) 1 for a joint between root and bone, -1 between root and ground, 0 if both or none."""
 
@@ -72,6 +72,13 @@ def transposed(a: Rotation) -> Rotation:
     """Return the transpose of a matrix, by rows."""
     (a11, a12, a13), (a21, a22, a23), (a31, a32, a33) = a
     return (a11, a21, a31), (a12, a22, a32), (a13, a23, a33)
+
+
+@compiled
+def beyond(link: Any, frame: Any) -> tuple[Rotation, Vector]:
+    """Return the pose of a frame of a link, both (3, 4)."""
+    R = matrix_rows(link)
+    return product(R, matrix_rows(frame)), plus(column(link, 3), turned(R, column(frame, 3)))
 
 
 @compiled
@@ -125,19 +132,18 @@ def pose_bones(
 
     All are in the ground's frame; `joints` to `ways` are the chain's.
 
-    T_k = T_ground^-1 T_link T_frame. The screw of a coordinate is the sum of those of the joints
-    that it moves, less the ground's own motion: what the bone does, seen from the ground.
+    A bone's T is T_link T_frame, seen from the ground T_ground^-1 T. The screw of a coordinate is
+    the sum of those of the joints that it moves, less the ground's own motion: what the bone does,
+    seen from the ground.
     """
     links, own = np.empty((len(joints) + 1, 3, 4)), np.empty((len(joints), 6))
     for m in range(len(values)):
         move_links(joints, numbers, values[m], links, own)
-        G, g = transposed(matrix_rows(links[bones[0]])), column(links[bones[0]], 3)
-        for k in range(len(frames)):
-            link = links[bones[k + 1]]
-            R, o = matrix_rows(link), column(link, 3)
-            o = minus(plus(o, turned(R, column(frames[k], 3))), g)
-            R = product(R, matrix_rows(frames[k]))
-            R, o = product(G, R), turned(G, o)
+        G, g = beyond(links[bones[0]], frames[0])
+        G = transposed(G)
+        for k in range(len(bones) - 1):
+            R, o = beyond(links[bones[k + 1]], frames[k + 1])
+            R, o = product(G, R), turned(G, minus(o, g))
             for i in range(3):
                 points[m, k, i] = o[i]
                 rotations[m, k, i, 0], rotations[m, k, i, 1], rotations[m, k, i, 2] = R[i]

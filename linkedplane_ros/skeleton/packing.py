@@ -33,14 +33,14 @@ def pack_tree(tree: JointTree, bones: Sequence[str]) -> Chain:
         for parent, joint, (source, _, _) in zip(parents, joints, sources, strict=True)
     ]
     floats = [
-        [*joint_place(joint.xyz, joint.rpy).ravel(), *unit_joint_axis(joint), factor, offset]
+        [*place_in_link(joint.xyz, joint.rpy).ravel(), *unit_joint_axis(joint), factor, offset]
         for joint, (_, factor, offset) in zip(joints, sources, strict=True)
     ]
     return Chain(
         np.array(integers, dtype=np.int64).reshape(-1, 3),
         np.array(floats, dtype=np.float64).reshape(-1, NUMBERS),
         np.array(places, dtype=np.int64),
-        np.repeat(SAME_FRAME[np.newaxis], len(bones) - 1, axis=0),
+        np.repeat(SAME_FRAME[np.newaxis], len(bones), axis=0),
         above[places[1:]] - above[places[0]],
     )
 
@@ -61,7 +61,7 @@ def unit_joint_axis(joint: Joint) -> Floats:
     return axis / np.linalg.norm(axis)
 
 
-def joint_place(xyz: Point, rpy: Triple) -> Floats:
+def place_in_link(xyz: Point, rpy: Triple) -> Floats:
     """Return the pose (3, 4) of a URDF's origin: turned about fixed x, y and z."""
     roll, pitch, yaw = rpy
     rotation = rotation_about(Z, yaw) @ rotation_about(Y, pitch) @ rotation_about(X, roll)

@@ -19,7 +19,7 @@ from ..errors import LinkedPlaneError
 from ..joints.rotations import as_rotation
 from ..types import Floats, Interval
 from .girdle import GIRDLE, HUMERUS, GirdlePose, Rest
-from .skeleton import Pose
+from .skeleton import BonePose
 
 Coefficients = tuple[float, float, float, float]
 """rad of constant, then per rad of plane, elevation and rest angle."""
@@ -41,7 +41,7 @@ class Rhythm(ABC):
     def __str__(self) -> str:
         return self.name
 
-    def bones(self, angles: npt.ArrayLike, rest: Rest | None = None) -> dict[str, Pose]:
+    def bones(self, angles: npt.ArrayLike, rest: Rest | None = None) -> dict[str, BonePose]:
         """Return where the bones are at angles of the humerus.
 
         Parameters

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -14,15 +14,21 @@ import numpy.typing as npt
 
 from ..errors import SkeletonError, describe_value
 from ..files import read_regular_file
+from ..joints.conventions import as_triple
 from ..joints.rotations import as_floats
-from ..types import Floats, Intervals
+from ..types import Floats, Intervals, Point, Triple
 from .joint_tree import JointTree, list_names
 from .kinematics import FACTOR, SOURCE, Chain, pose_bones
-from .packing import pack_tree
+from .packing import pack_tree, place_in_link
 from .urdf import EXPAND, MOST_BYTES, parse_urdf
 
-Pose = tuple[Floats, Floats]
+BonePose = tuple[Floats, Floats]
 """(R, t): a point x of the bone stands at R x + t in the ground bone's frame."""
+
+
+Origin = tuple[Point, Triple]
+"""Where a frame stands in a link, as a URDF has it: x, y, z, m, and roll, pitch, yaw, rad."""
+SAME_PLACE: Origin = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,8 @@ class Skeleton:
     """The links that are these bones."""
     rest: tuple[float, ...] | None = None
     """(d,) rad or m, where the bones' frames coincide; None where each has its link's own."""
+    origin: Origin = SAME_PLACE
+    """Of the ground's frame in its link."""
 
     @staticmethod
     def load(name: str | Path) -> Skeleton:
@@ -110,12 +118,13 @@ class Skeleton:
         bones: Sequence[str],
         bone_links: Mapping[str, str] | None = None,
         rest: Mapping[str, float] | None = None,
+        origin: Origin = SAME_PLACE,
     ) -> Skeleton:
         """Return the skeleton for a muscle's bones.
 
-        The link of the ground must have the frame of the muscle's ground bone (a fixed joint in the
-        URDF brings one there). The frames of the other bones follow: they coincide with it at rest,
-        whatever frames their links have.
+        The frame of the muscle's ground bone is that of its link, or stands there at `origin`. The
+        frames of the other bones follow: they coincide with it at rest, whatever frames their links
+        have.
 
         Parameters
         ----------
@@ -126,6 +135,9 @@ class Skeleton:
             that do not move against each other may share a link.
         rest
             The coordinates at the muscle's rest, rad or m; those not named are 0.
+        origin
+            Where the muscle's ground frame stands in the ground's link: (x, y, z) in m, and roll,
+            pitch and yaw in rad.
 
         Returns
         -------
@@ -159,7 +171,13 @@ class Skeleton:
                 )
             at_rest[name] = value
         values = self._as_values(list(at_rest.values()), 'rest')
-        return replace(self, bones=names, links=links, rest=tuple(values.tolist()))
+        try:
+            xyz, rpy = origin
+        except (TypeError, ValueError):
+            expected = '((x, y, z), (roll, pitch, yaw)) expected'
+            raise SkeletonError(f'origin: {describe_value(origin)} given, {expected}') from None
+        place = as_triple('origin: xyz', xyz, 'm'), as_triple('origin: rpy', rpy, 'rad')
+        return Skeleton(self.tree, names, links, tuple(values.tolist()), place)
 
     def _find_link(self, bone: str, link: str) -> str:
         if link in self.tree.links:
@@ -194,7 +212,7 @@ class Skeleton:
         used = set(chain.joints[moves, SOURCE].tolist())
         return tuple(name for i, name in enumerate(self.coordinates) if i in used)
 
-    def pose(self, q: npt.ArrayLike) -> dict[str, Pose]:
+    def pose(self, q: npt.ArrayLike) -> dict[str, BonePose]:
         """Return the poses of the moving bones.
 
         Parameters
@@ -239,7 +257,7 @@ class Skeleton:
         """
         return self.pose_and_screws(q)[1]
 
-    def pose_and_screws(self, q: npt.ArrayLike) -> tuple[dict[str, Pose], Floats]:
+    def pose_and_screws(self, q: npt.ArrayLike) -> tuple[dict[str, BonePose], Floats]:
         """Return `pose` and `screws` at once.
 
         Parameters
@@ -264,7 +282,7 @@ class Skeleton:
         poses = zip(rotations[0], points[0], strict=True)
         return dict(zip(self.bones[1:], poses, strict=True)), screws[0]
 
-    def pose_batch(self, q: npt.ArrayLike) -> dict[str, Pose]:
+    def pose_batch(self, q: npt.ArrayLike) -> dict[str, BonePose]:
         """Return the poses at many values; each is, to the bit, that of `pose`.
 
         Parameters
@@ -333,14 +351,14 @@ class Skeleton:
     def _chain(self) -> Chain:
         """The tree as the kernel takes it, with the bones' frames in their links."""
         chain = pack_tree(self.tree, self.links)
-        if self.rest is None:
-            return chain
-        plain = replace(self, rest=None)
-        rotations, points, _ = plain._move(np.array([self.rest]))
-        frames = [
-            np.column_stack([R.T, -R.T @ t]) for R, t in zip(rotations[0], points[0], strict=True)
-        ]
-        return chain._replace(frames=np.array(frames).reshape(-1, 3, 4))
+        chain.frames[0] = place_in_link(*self.origin)
+        if self.rest is not None:
+            k, values = len(self.bones) - 1, np.array([self.rest])
+            rotations, points = np.empty((1, k, 3, 3)), np.empty((1, k, 3))
+            pose_bones(*chain, values, rotations, points, np.empty((1, len(self.rest), k, 6)))
+            for i, (R, t) in enumerate(zip(rotations[0], points[0], strict=True)):
+                chain.frames[i + 1] = np.column_stack([R.T, -R.T @ t])
+        return chain
 
 
 def bundled_skeletons() -> dict[str, str]:

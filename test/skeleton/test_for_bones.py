@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from random_urdfs import joint, link, random_urdf, robot
 
-from linkedplane_ros import LinkedPlaneError, Skeleton, SkeletonError
+from linkedplane_ros import JOINT_CONVENTIONS, LinkedPlaneError, Skeleton, SkeletonError
 from linkedplane_ros.skeleton.skeleton import parse_bone_links
+from linkedplane_ros.types import Triple
 
 PLACE = '<origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><axis xyz="0 0 2"/>'
 ARM = robot(
@@ -72,6 +73,46 @@ def test_two_bones_may_be_one_link(arm: Skeleton) -> None:
     assert (R == np.eye(3)).all()
     assert not t.any()
     assert not skeleton.screws([1.0, 0.0])[:, 0].any()
+
+
+@pytest.mark.parametrize('angles', [(0.0, 0.0, 0.0), (0.5, 1.2, -0.3), (-1.0, 2.0, 1.0)])
+def test_a_ground_frame_stands_where_it_is_said_to_in_its_link(angles: Triple) -> None:
+    # the right arm of ros4hri's human_description, and the convention that was made for it
+    shoulder = (
+        ('y_shoulder', 'torso', 'y', '0 0 1', '0 -0.176 0'),
+        ('p_shoulder', 'y', 'p', '-1 0 0', '0 0 0'),
+        ('r_shoulder', 'p', 'upper_arm', '0 0 -1', '0 0 0'),
+    )
+    human = robot(
+        *map(link, ('torso', 'y', 'p', 'upper_arm')),
+        *(
+            joint(name, 'revolute', above, below, f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>')
+            for name, above, below, axis, xyz in shoulder
+        ),
+    )
+    links = {'scapula': 'torso', 'humerus': 'upper_arm'}
+    origin = (0.0, -0.176, 0.0), (0.0, 0.0, -np.pi / 2)
+    skeleton = Skeleton.from_urdf(human).for_bones(links, links, origin=origin)
+    R, t = skeleton.pose(angles)['humerus']
+    expected, axes = JOINT_CONVENTIONS['rep155'].rotation_and_axes(angles)
+    np.testing.assert_allclose(R, expected, atol=1e-15)
+    np.testing.assert_allclose(t, 0.0, atol=1e-15)
+    np.testing.assert_allclose(skeleton.screws(angles)[:, 0, :3].T, axes, atol=1e-15)
+    np.testing.assert_allclose(skeleton.screws(angles)[:, 0, 3:], 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ('origin', 'reason'),
+    [
+        (None, r'origin: None given, \(\(x, y, z\), \(roll, pitch, yaw\)\) expected'),
+        ((0, 0, 0), r'origin: \(0, 0, 0\) given'),
+        (((0, 0), (0, 0, 0)), r'origin: xyz: \(0, 0\) given, 3 finite numbers in m expected'),
+        (((0, 0, 0), (0, 0, np.inf)), 'origin: rpy: '),
+    ],
+)
+def test_an_origin_that_is_no_place_is_refused(arm: Skeleton, origin: Any, reason: str) -> None:
+    with pytest.raises(LinkedPlaneError, match=reason):
+        arm.for_bones(['left/ulna'], origin=origin)
 
 
 @pytest.mark.parametrize(
