@@ -21,7 +21,7 @@ help:  ## list the targets
 demo: .venv/.made  ## run the node on recorded motion and show its topics
 	@$(BIN)/linkedplane_demo
 
-view: .venv/.made  ## show the muscle in a browser, http://127.0.0.1:8080, and move the arm
+view: .venv/.made  ## show the muscle in a browser, at the address it prints, and move the arm
 	@$(BIN)/muscle_viewer --node
 
 test: .venv/.rivals check docs workspace  ## run all checks and tests

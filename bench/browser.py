@@ -63,7 +63,7 @@ class Page:
         page.on('request', lambda request: self.requests.append(request.url))
         page.on('websocket', self._on_websocket)
         page.set_default_timeout(1e3 * PATIENCE)
-        page.goto(f'{url}/?fixedDpr={dpr}' if url.startswith('http') else url)
+        page.goto(f'{url}&fixedDpr={dpr}' if url.startswith('http') else url)
 
     def _on_console(self, message: Any) -> None:
         if message.type == 'error':

@@ -85,6 +85,7 @@ def measure(smooth: bool) -> dict[str, Any]:
             raise RuntimeError('the viewer did not start')
         with open_browser(smooth) as chromium:
             page = Page(chromium.new_page(viewport=WINDOW), found.group(1), PIXELS)
+            page.press_button('neutral')  # nothing is shown before
             if not wait_until(lambda: len(page.lines()) > 0, 300.0):
                 raise RuntimeError('the viewer shows no muscle')
             taken = measure_times(page)

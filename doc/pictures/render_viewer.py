@@ -29,6 +29,7 @@ CONNECTED = '.tabler-icon-cloud-check'
 DETAILS = ('obstacle spheres', 'interference spheres', 'band planes')
 FRAMES, STEP = 48, 80  # of the animation, ms
 SMALL = (720, 405)  # px
+TOPICS = ['--topic', '/muscle_viewer/joint_states', '--topic', '/left/joint_states']
 MODULE = [sys.executable, '-m']
 LEFT = [
     *MODULE,
@@ -44,7 +45,7 @@ LEFT = [
 @contextmanager
 def run_viewer() -> Iterator[str]:
     """Run the viewer and its node; give its address."""
-    command = [*MODULE, 'linkedplane_ros.viewer', '--node', '--port', '0']
+    command = [*MODULE, 'linkedplane_ros.viewer', '--node', '--port', '0', *TOPICS]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     found = re.search(r'open (http\S+)', process.stdout.readline())
@@ -149,6 +150,8 @@ def take_both_shoulders(page: Page, chromium: Any, url: str) -> None:
     """Take both shoulders, in the dark."""
     left = subprocess.Popen(LEFT)
     try:
+        page.open_tab('left deltoid')
+        page.page.get_by_text('neutral', exact=True).last.click(force=True)
         wait_until(lambda: len(page.lines('/left/deltoid/bands/lines')) > 0)
         page.page.close()
         fresh = Page(chromium.new_page(viewport=WINDOW), url, 1.0)
@@ -173,6 +176,7 @@ def main() -> None:
     os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
     with run_viewer() as url, open_browser(smooth=True) as chromium:
         page = Page(chromium.new_page(viewport=WINDOW), url, 1.0)
+        page.press_button('neutral')  # nothing is shown before
         wait_until(lambda: len(page.lines()) > 0 and len(page.plots()) == 2)
         close_notice(page)
         take_stills(page)

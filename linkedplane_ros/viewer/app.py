@@ -13,6 +13,7 @@ import viser
 
 from ..errors import LinkedPlaneError
 from ..types import Floats
+from .names import short_name
 from .newest import MuscleInfo, Values, group_by_arm
 from .node import ViewerNode
 from .panels.muscle import MusclePanel
@@ -85,7 +86,7 @@ class Viewer:
             info = muscles[prefix]
             with tabs.add_tab(title) if tabs else gui.add_folder(title):
                 self._panels[prefix] = MusclePanel(
-                    gui, info, self._make_mover(prefix, info), lambda: self._coordinate
+                    gui, info, self._make_mover(info), lambda: self._coordinate
                 )
         look = Look(gui, first)
         pages = gui.add_tab_group()
@@ -109,8 +110,8 @@ class Viewer:
     def _coordinate(self) -> int:
         return self._look.coordinate if self._look else 0
 
-    def _make_mover(self, prefix: str, info: MuscleInfo) -> Callable[[Floats, Floats], None]:
-        return lambda angles, speeds: self._node.move_arm(prefix, info, angles, speeds)
+    def _make_mover(self, info: MuscleInfo) -> Callable[[Floats, Floats], bool]:
+        return lambda angles, speeds: self._node.move_arm(info, angles, speeds)
 
     def run(self, going: Callable[[], bool]) -> None:
         """Draw whenever the node has something new, at least once a frame, as long as `going()`."""
@@ -142,8 +143,11 @@ class Viewer:
                 self._draw_muscle(prefix, newest[prefix], taken[prefix][2])
         if any(taken[prefix][2] for prefix in muscles):
             self._server.flush()
+        watched = bool(self._server.get_clients())
+        if not watched:
+            self._node.mover.release()
         for prefix, panel in self._panels.items():
-            panel.update(newest[prefix])
+            panel.update(newest[prefix], watched)
         self._look.update_legend(next(iter(muscles.values())))
         answered = [values.answered for values in newest.values()]
         if answered != self._answered:
@@ -191,6 +195,7 @@ def short_names(muscles: dict[str, MuscleInfo]) -> dict[str, str]:
     sides = [info.side for info in muscles.values()]
     if len(set(sides)) == len(sides):
         return {
-            prefix: f'{info.side} {prefix.rpartition("/")[2]}' for prefix, info in muscles.items()
+            prefix: short_name(f'{info.side} {prefix.rpartition("/")[2]}')
+            for prefix, info in muscles.items()
         }
-    return {prefix: prefix[1:] for prefix in muscles}
+    return {prefix: short_name(prefix[1:]) for prefix in muscles}

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import errno
 import io
@@ -24,7 +25,9 @@ from ..node.ros_arguments import (
     warn_of_unknown_parameters,
 )
 from .arguments import LOOPBACK, PORT, parse_arguments
+from .guard import WILDCARDS, Guard
 
+REPORTED = 5.0  # s between lines of what browsers sent in vain
 TRIED = 20  # ports above a busy one
 NODE = [
     sys.executable,
@@ -72,14 +75,18 @@ def main(given: list[str] | None = None) -> None:
     check_ros_arguments(options.ros_arguments)
     initialise_ros([] if options.node else options.ros_arguments)
     with argument_errors():
-        node = ViewerNode()
+        node = ViewerNode(options.topics, options.take)
     warn_of_unknown_parameters(node)
-    muscle = subprocess.Popen([*NODE, *options.ros_arguments]) if options.node else None
+    guard = Guard(
+        options.host,
+        lambda line: node.get_logger().warning(line, throttle_duration_sec=REPORTED),
+    )
     quiet = contextlib.redirect_stdout(io.StringIO())
-    with quiet:
+    with quiet, guard.guard_server():
         server = viser.ViserServer(options.host, port, label='muscle viewer', verbose=False)
-    server.request_share_url = lambda verbose=True: None  # no request leaves this machine
-    print(address_line(options.host, server.get_port()), flush=True)
+    guard.set_server(server)
+    muscle = subprocess.Popen(node_command(options)) if options.node else None
+    print(address_line(options.host, server.get_port(), guard.token), flush=True)
     reading = Thread(target=node.spin, args=(rclpy.ok,), daemon=True)
     reading.start()
     try:
@@ -107,11 +114,17 @@ def main(given: list[str] | None = None) -> None:
             muscle.wait(10.0)
 
 
-def address_line(host: str, port: int) -> str:
+def node_command(options: argparse.Namespace) -> list[str]:
+    """Return the command that starts the muscle's node, which listens to the viewer's topic."""
+    listening = ['--ros-args', '-r', f'joint_states:={options.topics[0]}']
+    return [*NODE, *options.ros_arguments, *listening]  # of two rules for a name the first holds
+
+
+def address_line(host: str, port: int, token: str) -> str:
     """Return a line that says where the viewer is, and who can reach it."""
-    name = LOOPBACK if host in ('', '0.0.0.0', '::') else host
+    name = LOOPBACK if host in WILDCARDS else host
     if host in (LOOPBACK, 'localhost', '::1'):
         reach = 'from this machine only; --host 0.0.0.0 lets others in'
     else:
-        reach = 'from everywhere: everyone who reaches this address can see the arm and move it'
-    return f'muscle_viewer: open http://{name}:{port} ({reach})'
+        reach = 'from everywhere: everyone who has this address can see the arm and move it'
+    return f'muscle_viewer: open http://{name}:{port}/?token={token} ({reach})'

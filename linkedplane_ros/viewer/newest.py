@@ -134,6 +134,8 @@ class Values:
     """Whether a node publishes the muscle now."""
     rivals: int = 0
     """The number of other publishers of its joint states."""
+    obstacle: str = ''
+    """Why its arm is not moved from here; empty if it may be."""
 
 
 class NewestState:

@@ -32,6 +32,8 @@ from linkedplane_ros.node.messages import message_class
 from linkedplane_ros.node.parameters import SPECS
 from linkedplane_ros.node.settings import Settings
 from linkedplane_ros.node.topics import OUTPUTS
+from linkedplane_ros.viewer.arguments import TOPIC
+from linkedplane_ros.viewer.arguments import parse_arguments as parse_viewer_arguments
 
 PACKAGE = 'linkedplane_ros'
 SCRIPTS = importlib.metadata.distribution(PACKAGE).entry_points.names
@@ -41,6 +43,7 @@ QOS = re.compile(
     rf'qos_overrides\.(/joint_states\.subscription|({"|".join(TOPICS)})\.publisher)'
     r'\.(reliability|durability|depth)'
 )
+LISTENING = '-r', f'joint_states:={TOPIC}'
 CLONE = ['git', 'clone', '<this', 'repository>', PACKAGE]
 OTHERS = (  # what a reader does with programs that are not ours
     ['cd', '~/ros2_ws/src'],
@@ -268,11 +271,11 @@ def in_clone(path: str) -> Path:
 def node(script: str, words: Sequence[str]) -> None:
     """Check what follows an executable: options of the viewer, parameters of the node."""
     if script == 'muscle_viewer':
-        assert set(words) <= {'--node', '--port', '--host'}
+        parse_viewer_arguments([script, *words])
         return
     given = {}
     for option, word in zip(words[1::2], words[2::2], strict=True):
-        if option == '--params-file':
+        if option == '--params-file' or (option, word) == LISTENING:
             continue
         name, is_parameter, value = word.partition(':=')
         assert (words[0], option, is_parameter) == ('--ros-args', '-p', ':='), word

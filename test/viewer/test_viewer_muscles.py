@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The viewer in a browser: a node of two muscles, which nobody has moved."""
+"""The viewer in a browser: a node of two muscles."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ pytestmark = [pytest.mark.skipif(bool(MISSING), reason=MISSING), pytest.mark.bro
 MUSCLES = ('deltoid', 'deltoid_ackland2008')
 
 
-def test_a_node_of_two_muscles_is_shown_from_the_start(tmp_path: Path) -> None:
+def test_a_node_of_two_muscles_is_shown_once_a_person_moves_its_arm(tmp_path: Path) -> None:
     viewer = ViewerProcess(
         tmp_path / 'viewer.log', '--node', '--ros-args', '-p', f'muscle:=[{", ".join(MUSCLES)}]'
     )
     with viewer, open_browser() as chromium:
         page = Page(chromium.new_page(viewport=WINDOW), viewer.url, 0.3)
+        page.press_button('neutral')
         for name in MUSCLES:
             paths = LinkedPlaneSolver(BroadMuscle.load(name)).solve(np.eye(3)).paths(16)
             wanted = np.concatenate([np.stack((p[:-1], p[1:]), axis=1) for p in paths])
@@ -35,4 +36,5 @@ def test_a_node_of_two_muscles_is_shown_from_the_start(tmp_path: Path) -> None:
         assert page.page.get_by_text(', '.join(MUSCLES)).count() == 1  # one arm: one panel
         page.move_slider(0, 40.0)
         assert wait_until(lambda: page.slider_angles()[0] > 0.5)
+        assert 'another publisher' not in viewer.text  # its readers are of one publisher
         assert page.errors == []

@@ -12,6 +12,7 @@ from threading import Event, Thread
 import numpy as np
 import pytest
 import rclpy
+from browser import wait_until
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 from ros_harness import Peer, together
@@ -48,7 +49,7 @@ def running(viewer: ViewerNode) -> Iterator[ViewerNode]:
 @pytest.fixture
 def viewer(peer: Peer, node: MuscleStatePublisher) -> Iterator[ViewerNode]:
     """Run the viewer's node beside the muscle node, until it has been told what that is."""
-    with running(ViewerNode()) as made:
+    with running(ViewerNode(['/joint_states'], take=True)) as made:
         assert peer.until(lambda: learnt(made))
         yield made
 
@@ -58,20 +59,19 @@ def read_info(viewer: ViewerNode) -> MuscleInfo | None:
 
 
 def learnt(viewer: ViewerNode) -> bool:
-    if read_info(viewer) is None:
-        return False
-    publisher = viewer.readers['/deltoid'].publisher
-    return publisher is not None and publisher.get_subscription_count() > 0
+    return read_info(viewer) is not None
 
 
 def values(viewer: ViewerNode) -> Values:
     return viewer.readers['/deltoid'].newest.take_newest()[1]
 
 
-def move(viewer: ViewerNode, angles: tuple[float, float, float]) -> None:
+def move(viewer: ViewerNode, angles: tuple[float, float, float]) -> bool:
+    """Move the arm once something listens; return whether that was so."""
     info = read_info(viewer)
     assert info is not None
-    viewer.move_arm('/deltoid', info, np.array(angles), np.array((0.1, 0.2, 0.3)))
+    speeds = np.array((0.1, 0.2, 0.3))
+    return wait_until(lambda: viewer.move_arm(info, np.array(angles), speeds))
 
 
 def test_a_muscle_is_known_by_its_markers_beside_its_lengths() -> None:
@@ -158,23 +158,27 @@ def test_the_viewer_is_no_other_publisher_for_the_second_muscle_of_a_node(peer: 
     """Else it would wait for itself, and show neither."""
     prefixes = {'/deltoid', '/deltoid_ackland2008'}
     muscles = ['deltoid', 'deltoid_ackland2008']
-    with running_node(peer, muscle=muscles), running(ViewerNode()) as viewer:
+    with (
+        running_node(peer, muscle=muscles),
+        running(ViewerNode(['/joint_states'], take=True)) as viewer,
+    ):
 
         def rivals() -> set[int]:
             return {viewer.readers[each].newest.take_newest()[1].rivals for each in prefixes}
 
         def connected() -> bool:
             return set(viewer.readers) == prefixes and all(
-                reader.publisher is not None
-                and reader.publisher.get_subscription_count() > 2  # the node and both readers
-                for reader in viewer.readers.values()
+                reader.newest.take_newest()[0] is not None for reader in viewer.readers.values()
             )
 
         assert peer.until(connected)
         assert peer.until(lambda: rivals() == {1})  # the peer
+        info = viewer.readers['/deltoid'].newest.take_newest()[0]
+        assert peer.until(lambda: viewer.move_arm(info, STILL, STILL))
         for each in prefixes:
             reader = viewer.readers[each]
-            assert peer.until(lambda reader=reader: reader.newest.take_newest()[0] is not None)
+            reader.discover()
+            assert reader.newest.take_newest()[1].rivals == 1
             info = reader.newest.take_newest()[0]
             assert info.bands == BroadMuscle.load(each[1:]).band_names  # before any state
 
@@ -183,7 +187,7 @@ def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
     peer: Peer, ros: None
 ) -> None:
     first = MuscleStatePublisher()
-    with running(ViewerNode()) as viewer:
+    with running(ViewerNode(['/joint_states'], take=True)) as viewer:
         with together(peer, first):
             assert peer.until(lambda: bool(viewer.readers) and values(viewer).present)
         first.destroy_node()
@@ -192,8 +196,9 @@ def test_a_node_that_goes_is_missed_and_one_that_comes_back_is_met_again(
         with together(peer, second):
             assert peer.until(lambda: values(viewer).present and learnt(viewer))
             before = values(viewer).answered
-            peer.until(lambda: move(viewer, (0.1, 0.2, 0.3)) or values(viewer).answered > before)
-            assert values(viewer).answered > before
+            assert peer.until(
+                lambda: move(viewer, (0.1, 0.2, 0.3)) and values(viewer).answered > before
+            )
         second.destroy_node()
 
 
@@ -224,8 +229,10 @@ def test_a_missing_library_is_named_with_what_installs_it(monkeypatch: pytest.Mo
 def test_it_listens_on_this_machine_alone_and_says_so() -> None:
     options = parse_arguments(['muscle_viewer', '--ros-args', '-r', '__ns:=/a'])
     assert (options.host, options.port) == ('127.0.0.1', None)
-    assert 'http://127.0.0.1:8080 (from this machine only' in address_line(options.host, PORT)
-    assert 'can see the arm and move it' in address_line('0.0.0.0', PORT)
+    assert 'http://127.0.0.1:8080/?token=abc (from this machine only' in address_line(
+        options.host, PORT, 'abc'
+    )
+    assert 'can see the arm and move it' in address_line('0.0.0.0', PORT, 'abc')
 
 
 def test_a_busy_port_that_was_asked_for_is_named_in_one_line() -> None:

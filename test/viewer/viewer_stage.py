@@ -54,9 +54,10 @@ class Stage:
         self.folder = folder
         self.chromium = chromium
         self.start_node(folder / 'node.log')
-        self.viewer = ViewerProcess(folder / 'viewer.log')
+        self.viewer = ViewerProcess(folder / 'viewer.log', '--topic', '/joint_states', '--take')
         self.viewer.outlive_test()
         self.page = self.open()
+        self.page.press_button('neutral')  # nothing is published before
         assert wait_until(lambda: len(self.page.lines()) > 0), self.viewer.text
 
     def start_node(self, log: Path) -> None:

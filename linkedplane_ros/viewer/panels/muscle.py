@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 import numpy as np
 import viser
 
 from ...types import Floats
+from ..names import distinct_names
 from ..newest import MuscleInfo, Values
 from .motions import Arm, end_poses, slider_ranges
 
@@ -18,7 +20,7 @@ SETTLED = 0.15  # s without a move after which the arm is at rest
 HEARTBEAT = 1.0  # s between joint states at rest: a restarted node learns the pose from them
 SHOWN = 0.05  # s between moves of the sliders by the program
 SILENT = 3.0  # s without an answer, after which the node is reported as silent
-UNDECIDED = 1.5  # s to find other publishers, before the arm is moved or followed
+ALERT = 1.5  # s to find other publishers, before anything is published
 STEP = 0.5  # deg
 
 PLAY, STOP = 'play a sweep', 'stop'
@@ -34,7 +36,7 @@ class MusclePanel:
     info
         The muscle's.
     move
-        Publishes angles (3,), rad, and speeds (3,), rad/s.
+        Publishes angles (3,), rad, and speeds (3,), rad/s, and returns whether it did.
     coordinate
         Returns the coordinate that is swept: 0, 1 or 2.
 
@@ -44,7 +46,7 @@ class MusclePanel:
         self,
         gui: viser.GuiApi,
         info: MuscleInfo,
-        move: Callable[[Floats, Floats], None],
+        move: Callable[[Floats, Floats], bool],
         coordinate: Callable[[], int],
     ) -> None:
         self._move = move
@@ -55,20 +57,22 @@ class MusclePanel:
         self._begun = time.monotonic()
         self._sent = self._shown = -np.inf
         self._heard = self._begun
-        self._resting = False
-        self._decided = False
+        self._asked = self._resting = False  # whether a person has moved it, and let go
         self._newest = Values()
+        self._obstacle = ''
         self._status = gui.add_html('')
         self._sliders = [
             gui.add_slider(f'{name} (deg)', float(low), float(high), STEP, float(max(low, 0.0)))
-            for name, (low, high) in zip(info.coordinates, self._ranges, strict=True)
+            for name, (low, high) in zip(
+                distinct_names(info.coordinates), self._ranges, strict=True
+            )
         ]
-        buttons = gui.add_button_group('go to', tuple(self._poses))
+        self._go_to = gui.add_button_group('go to', tuple(self._poses))
         self._play = gui.add_button(PLAY)
         self._follow = gui.add_checkbox('follow the stream', False)
         for slider in self._sliders:
             slider.on_update(self._on_drag)
-        buttons.on_click(self._on_go_to)
+        self._go_to.on_click(self._on_go_to)
         self._play.on_click(self._on_sweep)
         self._follow.on_update(self._on_follow)
 
@@ -79,11 +83,9 @@ class MusclePanel:
         if event.client is None or self._follow.value:
             return
         now = time.monotonic()
-        # a number may be beyond the range while it is typed
-        low, high = self._ranges.T
-        angles = np.radians(np.clip([slider.value for slider in self._sliders], low, high))
-        self._send(self._arm.drag(angles, now), now)
+        speeds = self._arm.drag(np.radians([slider.value for slider in self._sliders]), now)
         self._take_over()
+        self._send(speeds, now)
 
     async def _on_go_to(self, event: Any) -> None:
         self._take_over()
@@ -103,44 +105,64 @@ class MusclePanel:
             self._set_following(self._follow.value)
 
     def _take_over(self) -> None:
-        """Move the arm from here on, starting where it is."""
+        """Move the arm from here on, starting where it is: a person has asked for it."""
+        if self._follow.value:
+            self._set_following(False)
+        self._stop()
+        self._asked = True
+
+    def _stop(self) -> None:
+        """End any motion."""
         self._arm.stop()
         self._play.label = PLAY
         self._resting = False
-        if self._follow.value:
-            self._set_following(False)
 
     def _set_following(self, follow: bool) -> None:
-        """Follow other publishers, or move the arm, starting where it is."""
-        self._decided = True
-        self._arm.stop()
-        self._play.label = PLAY
-        if not follow and self._newest.angles is not None:
-            self._arm.angles = self._newest.angles
+        """Leave the arm to others; or let a person move it."""
+        self._stop()
+        self._asked = False
         self._follow.value = follow
         for slider in self._sliders:
             slider.disabled = follow
 
-    def _send(self, speeds: Floats, now: float) -> None:
-        self._move(self._arm.angles, speeds)
-        self._sent = now
+    def _set_obstacle(self, obstacle: str) -> None:
+        """Stop where the arm is not to be moved from here, and say so."""
+        if self._obstacle == obstacle:
+            return
+        self._obstacle = obstacle
+        if obstacle:
+            self._set_following(True)
+        self._play.disabled = self._follow.disabled = bool(obstacle)
+        self._go_to.visible = not obstacle  # the library cannot disable it
 
-    def update(self, newest: Values) -> None:
-        """Continue motions and show the newest state; called for each frame."""
+    def _send(self, speeds: Floats, now: float) -> None:
+        if now > self._begun + ALERT and self._move(self._arm.angles, speeds):
+            self._sent = now
+
+    def update(self, newest: Values, watched: bool) -> None:
+        """Continue motions and show the newest state; called for each frame.
+
+        Parameters
+        ----------
+        newest
+            The muscle's.
+        watched
+            Whether a browser looks on; without one nothing is moved.
+
+        """
         now = time.monotonic()
         if newest.answered != self._newest.answered:
             self._heard = now
         self._newest = newest
+        self._set_obstacle(newest.obstacle)
+        if self._asked and not watched:
+            self._stop()
+            self._asked = False
         silent = self._sent > self._heard and now > self._heard + SILENT
         self._status.content = status_html(newest, self._follow.value, silent)
-        if not self._decided:
-            if now < self._begun + UNDECIDED and not newest.rivals:
-                return
-            self._decided = True
-            if newest.rivals:
-                self._set_following(True)
-        if self._follow.value:
+        if not self._asked:
             if newest.angles is not None:
+                self._arm.angles = newest.angles
                 self._move_sliders(newest.angles, now)
         elif self._arm.is_moving:
             self._send(self._arm.advance(now), now)
@@ -148,7 +170,7 @@ class MusclePanel:
             self._move_sliders(self._arm.angles, now, last=not self._arm.is_moving)
         elif now > self._sent + (HEARTBEAT if self._resting else SETTLED):
             self._send(np.zeros(3), now)
-            self._resting = True
+            self._resting = self._sent == now
 
     def _move_sliders(self, angles: Floats, now: float, last: bool = False) -> None:
         """Move the sliders to angles, rad, some times a second; `last` ones in any case."""
@@ -163,15 +185,16 @@ class MusclePanel:
 
 def status_html(newest: Values, following: bool, silent: bool) -> str:
     """Return a line if something is wrong with the node or its input, as HTML."""
-    line = ''
+    line = newest.obstacle
     if not newest.present:
         line = 'the node has stopped; its last state is shown'
+    elif line:
+        pass
     elif newest.lengths is None:
-        line = 'no joint state has been answered yet'
+        line = 'nothing moves this arm yet: move a slider, or press a button'
     elif silent and not following:
         line = 'the node does not answer; its last state is shown'
     elif newest.rivals and not following:
         line = 'another publisher moves this arm, too: follow the stream?'
-    return (
-        f'<div style="padding:0 0.9em;font-size:0.8em;color:#c4622d">{line}</div>' if line else ''
-    )
+    style = 'padding:0 0.9em;font-size:0.8em;color:#c4622d;overflow-wrap:anywhere'
+    return f'<div style="{style}">{escape(line)}</div>' if line else ''

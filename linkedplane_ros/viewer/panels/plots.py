@@ -14,6 +14,7 @@ from viser import uplot
 from ...drawing.colours import head_colour
 from ...drawing.units import MILLIMETRES
 from ...types import Floats, Interval
+from ..names import html_name, short_name
 from ..newest import MuscleInfo, Values
 from ..scene.colour_map import css_colour
 from .history import CoordinateCurve, Recent, merge_curves, widen_range
@@ -61,7 +62,9 @@ class Plots:
         self._retired: list[tuple[float, Any]] = []
         self._reach: list[Interval | None] = [None, None]
         if len(muscles) > 1:
-            gui.add_html(f'<div {NOTE}>dashed: {", ".join(name for name, _ in muscles[1:])}</div>')
+            gui.add_html(
+                f'<div {NOTE}>dashed: {", ".join(html_name(name) for name, _ in muscles[1:])}</div>'
+            )
         self._axis = gui.add_dropdown('against', (TIME, COORDINATE))
         clear = gui.add_button('clear the plots')
         clear.on_click(self._on_clear)
@@ -164,7 +167,7 @@ class Plots:
         reach = [widen_range(old, each[1:], ROUND) for old, each in zip(before, data, strict=True)]
         if not self._plots or reach != before:
             self._reach, self._shown = reach, (axis, coordinate)
-            name = self._muscles[0].coordinates[coordinate]
+            name = short_name(self._muscles[0].coordinates[coordinate])
             self._add_plots(data, 'time, s' if axis == TIME else f'{name}, deg')
         else:
             for plot, each in zip(self._plots, data, strict=True):
@@ -184,7 +187,7 @@ def plot_series(muscles: Sequence[tuple[str, MuscleInfo]]) -> list[Any]:
     for k, (name, info) in enumerate(muscles):
         for i, (head, _) in enumerate(info.heads):
             colour = css_colour(head_colour(i))
-            line = uplot.Series(label=f'{head} {name}'.strip(), stroke=colour, width=2)
+            line = uplot.Series(label=short_name(f'{head} {name}'.strip()), stroke=colour, width=2)
             if k:
                 line['dash'] = DASH
             lines.append(line)

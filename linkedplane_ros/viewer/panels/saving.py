@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import viser
 
+from ..scene.camera import aspect_ratio
+
 HEIGHT = 1080  # px of a still
 LONGEST = 120.0  # s of a recording; record a bag for more
 RECORD, STOP = 'record', 'stop recording'
@@ -40,7 +42,7 @@ class Saving:
         if client is None:
             return
         camera = client.camera
-        width = round(HEIGHT * camera.image_width / camera.image_height)
+        width = round(HEIGHT * aspect_ratio(camera))
         picture = client.get_render(HEIGHT, width, transport_format='png', timeout=60.0)
         content = imageio.v3.imwrite('<bytes>', flatten_on_white(picture), extension='.png')
         client.send_file_download(file_name('png'), content, save_immediately=True)

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+from ..names import html_name
 from ..newest import MuscleInfo, Values
 
-STATES = ('wrapped', 'clear', 'missed', 'inside')  # WrapState, 0 to 3
+STATES = dict(enumerate(('wrapped', 'clear', 'missed', 'inside')))  # WrapState, 0 to 3
 CELL = 'style="padding:0 0.4em;text-align:right"'
 
 
@@ -13,16 +14,16 @@ def bands_table_html(
     info: MuscleInfo, newest: Values, coordinate: int, interfering: set[int]
 ) -> str:
     """Return the bands as an HTML table, in mm; the arms are those about a coordinate (0, 1, 2)."""
-    head = ('band', 'length', f'arm: {info.coordinates[coordinate]}', '', '')
+    head = ('band', 'length', f'arm: {html_name(info.coordinates[coordinate])}', '', '')
     rows = [''.join(f'<th {CELL}>{each}</th>' for each in head)]
     for i, band in enumerate(info.bands):
-        cells = [band, '', '', '', '']
+        cells = [html_name(band), '', '', '', '']
         if newest.lengths is not None and i < len(newest.lengths):
             cells[1] = f'{1e3 * newest.lengths[i]:.1f}'
         if newest.arms is not None and i < len(newest.arms):
             cells[2] = f'{1e3 * newest.arms[i, coordinate]:.1f}'
         if newest.wrap is not None and i < len(newest.wrap):
-            cells[3] = STATES[newest.wrap[i]]
+            cells[3] = STATES.get(int(newest.wrap[i]), '')
         if i in interfering:
             cells[4] = '<b style="color:rgb(219,20,61)">interferes</b>'
         rows.append(''.join(f'<td {CELL}>{each}</td>' for each in cells))

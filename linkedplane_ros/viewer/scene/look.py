@@ -12,6 +12,7 @@ import viser
 from ...drawing.colours import head_colour
 from ...drawing.units import MILLIMETRES
 from ...types import Floats
+from ..names import distinct_names, html_name
 from ..newest import MuscleInfo, Values
 from .colour_map import css_colour, legend_html, map_colours, round_up
 
@@ -35,7 +36,7 @@ class Look:
         self._legend_key: tuple[Any, ...] = ()
         self._references: dict[str, Floats] = {}
         self._bands_by = gui.add_dropdown('colour by', (HEAD, LENGTH, ARM))
-        self._coordinate = gui.add_dropdown('coordinate', info.coordinates)
+        self._coordinate = gui.add_dropdown('coordinate', distinct_names(info.coordinates))
         self._legend = gui.add_html('')
         self._bands_by.on_update(self._reset_scale)
         self._coordinate.on_update(self._reset_scale)
@@ -115,7 +116,7 @@ class Look:
         if by == HEAD:
             self._legend.content = heads_legend_html([head for head, _ in info.heads])
         else:
-            title = 'length change' if by == LENGTH else f'moment arm about {name}'
+            title = 'length change' if by == LENGTH else f'moment arm about {html_name(name)}'
             self._legend.content = legend_html(title, self._limit or 1.0, 'mm')
 
 
@@ -133,5 +134,7 @@ def heads_legend_html(heads: list[str]) -> str:
         chip = (
             f'background:{css_colour(head_colour(i))};display:inline-block;width:1em;height:0.7em'
         )
-        items.append(f'<span style="margin-right:0.9em"><i style="{chip}"></i> {head}</span>')
+        items.append(
+            f'<span style="margin-right:0.9em"><i style="{chip}"></i> {html_name(head)}</span>'
+        )
     return f'<div style="padding:0 0.9em 0.6em;font-size:0.8em">{"".join(items)}</div>'
