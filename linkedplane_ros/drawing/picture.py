@@ -91,12 +91,12 @@ def model_figure(muscle: BroadMuscle) -> Figure:
 
 def bounding_corners(muscle: BroadMuscle, states: list[MuscleState]) -> Floats:
     """Return two corners (2, 3), mm, that hold the muscle and its spheres at all poses."""
-    points = [np.zeros((1, 3)), muscle.origins]
+    points = [np.zeros((1, 3))]
     for state in states:
-        points += [state.insertions, *state.paths(8)]
+        points += [state.origins, state.insertions, *state.paths(8)]
         for centres, radii in (
             (state.sphere_centres, muscle.sphere_radii),
-            (muscle.interference_centres, muscle.interference_radii),
+            (state.interference_centres, muscle.interference_radii),
         ):
             points += [centres - radii[:, np.newaxis], centres + radii[:, np.newaxis]]
     every = MILLIMETRES * np.concatenate(points)
@@ -105,17 +105,17 @@ def bounding_corners(muscle: BroadMuscle, states: list[MuscleState]) -> Floats:
 
 def draw_state(axes: Any, state: MuscleState) -> None:
     """Draw a state, in mm: bands and their ends, obstacle and interference spheres, the humerus."""
-    muscle, solver = state.solver.muscle, state.solver
+    muscle = state.solver.muscle
     colours = head_colours(muscle)
     for first, colour in sphere_colours(muscle).items():
         centre, radius = state.sphere_centres[first], muscle.sphere_radii[first]
         axes.plot_surface(*sphere_grid(centre, radius), color=colour, alpha=0.10, linewidth=0)
-    for centre, radius in zip(muscle.interference_centres, muscle.interference_radii, strict=True):
+    for centre, radius in zip(state.interference_centres, muscle.interference_radii, strict=True):
         axes.plot_wireframe(*sphere_grid(centre, radius)[:, ::2, ::2], color=GREY, linewidth=0.25)
     for path, colour, wrap in zip(state.paths(24), colours, state.wrap.tolist(), strict=True):
         dashed = wrap == WrapState.INSIDE  # no path: an end lies in the sphere
         axes.plot(*MILLIMETRES * path.T, color=colour, linestyle=':' if dashed else '-')
-    for ends, mark in ((solver.origins, 'o'), (state.insertions, 's')):
+    for ends, mark in ((state.origins, 'o'), (state.insertions, 's')):
         axes.scatter(*MILLIMETRES * ends.T, c=colours, marker=mark, s=10, depthshade=False)
     shaft = state.to_scapula(np.array(((0.0, 0.0, 0.0), (0.0, 0.0, muscle.insertions[:, 2].min()))))
     axes.plot(*MILLIMETRES * shaft.T, color='0.7', linewidth=3.0, zorder=0)

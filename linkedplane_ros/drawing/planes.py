@@ -32,10 +32,13 @@ def plane_patches(state: MuscleState, width: float) -> Floats:
     """
     muscle = state.solver.muscle
     angles = [state.theta, *muscle.plane_angles[1:].tolist()]
-    insertions = (muscle.insertions @ state.rotation.T).tolist()
-    n = tuple(muscle.reference_normal.tolist())
+    bones, bands = muscle.bones, len(muscle.band_names)
+    origins = state.place_points(muscle.origins, bones.of_bands('origin', bands)).tolist()
+    insertions = state.place_points(muscle.insertions, bones.of_bands('insertion', bands)).tolist()
+    N = muscle.reference_normal[np.newaxis]
+    n = tuple(state.place_points(N, [bones.reference_normal], shift=False)[0].tolist())
     corners = []
-    for P, S, phi in zip(muscle.origins.tolist(), insertions, angles, strict=True):
+    for P, S, phi in zip(origins, insertions, angles, strict=True):
         line = minus(S, P)
         u = times(1.0 / norm(line), line)
         m = mix(1.0, n, -dot(n, u), u)

@@ -176,8 +176,9 @@ class MuscleShapes:
         A band with an end inside its sphere has no path: its marker is deleted. So is the mark of
         a band that touches no interference sphere.
         """
-        origins = state.solver.origins
-        orientation = quaternion_from_z_axis(state.to_scapula(UP))
+        origins = state.origins
+        up = state.solver.to_side(UP @ state.rotation.T)
+        orientation = quaternion_from_z_axis(up)
         places = [
             Placement(),
             Placement(state.to_scapula(self._shaft_centre), orientation),
@@ -200,7 +201,7 @@ def detail_placements(state: MuscleState) -> Iterator[Placement]:
         yield Placement(points=np.array((a, b, c, a, c, d)))
     if not len(solver.muscle.interference_radii):
         return
-    for centre in solver.to_side(solver.muscle.interference_centres):
+    for centre in state.interference_centres:
         yield Placement(centre)
     depth, deepest = depths(state)
     for i, k in enumerate(depth.argmax(axis=1).tolist()):

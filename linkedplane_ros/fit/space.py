@@ -17,7 +17,6 @@ from ..linked_planes.layout import (
     RADIUS,
     pack_muscle,
 )
-from ..muscle.bones import Bones
 from ..muscle.definition import Definition, expand_frame
 from ..muscle.parts import METRES, RADIANS
 from ..types import Floats
@@ -118,5 +117,5 @@ def pack_definition(definition: Definition) -> Floats:
         metres * values['sphere.radius'],
         phi,
         np.zeros_like(phi),
-        Bones().number_on_ball_joint(expand_frame(definition.sphere_frame, len(phi))),
+        definition.bones.number_on_ball_joint(expand_frame(definition.sphere_frame, len(phi))),
     )

@@ -46,13 +46,10 @@ class Bones:
         object.__setattr__(self, 'names', check_bone_names(self.names))
         for field in (*LINES, *SINGLE):
             given = getattr(self, field)
-            if isinstance(given, list):
+            if field in LINES and isinstance(given, (list, tuple)):
                 given = tuple(given)
-            if isinstance(given, tuple) and field in LINES:
                 for i, each in enumerate(given):
                     self.require(f'bones.{field}[{i}]', each)
-                if given and len(set(given)) == 1:
-                    given = given[0]  # as a file that states it once
             elif given == '':
                 given = self.names[-1 if field in ('insertion', 'humeral_point') else 0]
             else:
@@ -77,7 +74,7 @@ class Bones:
     def require(self, field: str, value: Any, owner: str = '') -> str:
         """Return a value that is one of the bones; FieldError for any other."""
         if not isinstance(value, str) or value not in self.names:
-            expected = f'one of the bones {", ".join(self.names)} expected'
+            expected = f'one of {", ".join(self.names)} expected'
             raise FieldError(field, f'{describe_value(value)} given, {expected}', owner)
         return value
 
@@ -85,6 +82,14 @@ class Bones:
         """Return the bone of each of n bands' `origin` or `insertion`."""
         given: str | tuple[str, ...] = getattr(self, field)
         return (given,) * n if isinstance(given, str) else given
+
+    def check_count(self, n: int) -> None:
+        """Refuse lists of bones that do not have one for each of n bands."""
+        for field in LINES:
+            given: str | tuple[str, ...] = getattr(self, field)
+            if isinstance(given, tuple) and len(given) != n:
+                reason = f'a list of {n} bones, one for each band, expected, a list of '
+                raise FieldError(f'bones.{field}', f'{reason}{len(given)} given')
 
     def number_points(self, frames: tuple[str, ...]) -> PointBones:
         """Return the number of each point's bone; `frames` (n) are what the spheres move with."""
@@ -147,3 +152,7 @@ def check_bone_names(names: Any) -> tuple[str, ...]:
         if list(names).count(name) > 1:
             raise FieldError(key, f'{name!r} appears twice; different names expected')
     return tuple(names)
+
+
+BALL_JOINT = Bones()
+"""Scapula and humerus, as version 1 of the model file has them."""

@@ -15,7 +15,15 @@ from ..errors import FieldError, ModelError, describe_value
 from ..files import replace_when_complete
 from ..types import Floats, Interval
 from . import file, scaling, writing
-from .definition import Definition, define_in_metres, expand_frame, require_frame, unit_vector
+from .bones import BALL_JOINT, Bones
+from .definition import (
+    Definition,
+    check_bones,
+    define_in_metres,
+    expand_frame,
+    require_frame,
+    unit_vector,
+)
 from .parts import COORDINATES, Head, Landmark, whole_head
 from .range_of_motion import find_in_range
 from .scaling import Scale
@@ -74,36 +82,40 @@ class BroadMuscle:
     heads: tuple[Head, ...] = ()
     """Without any, the muscle is its own only head."""
     origins: Floats
-    """(n, 3) m, ground (scapula) frame."""
+    """(n, 3) m, each in the frame of its bone: the scapula, if `bones` does not say otherwise."""
     insertions: Floats
-    """(n, 3) m, humerus frame."""
+    """(n, 3) m, each in the frame of its bone: the humerus, as above."""
     sphere_centres: Floats
     """(n, 3) m, each in its `sphere_frame`."""
     sphere_radii: Floats
     """(n,) m, above zero."""
     ground_point: Floats | None = None
-    """(3,) m, SC, ground frame: z axes of moving frames are normal to the plane through the band's
-    origin, `humeral_point` and this point. None without a moving frame."""
+    """(3,) m, SC, frame of its bone (the ground): z axes of moving frames are normal to the plane
+    through the band's origin, `humeral_point` and this point. None without a moving frame."""
     humeral_point: Floats | None = None
-    """(3,) m, HM, humerus frame: x axes of moving frames point to it. None without a moving
-    frame."""
+    """(3,) m, HM, frame of its bone (the humerus): x axes of moving frames point to it. None
+    without a moving frame."""
     plane_angles: Floats
     """(n,) rad, phi: the angle of each plane from that of the band before; in place of the first
     one the solver finds theta."""
     reference_normal: Floats
-    """(3,) N, ground frame: theta is measured from the plane with this normal. Given at any length,
-    kept at length 1."""
+    """(3,) N, frame of its bone (the ground): theta is measured from the plane with this normal.
+    Given at any length, kept at length 1."""
     interference_centres: Floats = field(default_factory=lambda: np.empty((0, 3)))
-    """(k, 3) m, ground frame: spheres of bone that no band should enter."""
+    """(k, 3) m, each in the frame of its bone: spheres of bone that no band should enter."""
     interference_radii: Floats = field(default_factory=lambda: np.empty(0))
     """(k,) m, above zero."""
     interference_names: tuple[str, ...] = ()
     """(k)"""
+    interference_bones: tuple[str, ...] = ()
+    """(k) the bones of these spheres; empty where all are on the ground."""
     range_of_motion: tuple[Interval, ...] | None = None
     """rad, the lowest and highest flexion, abduction and rotation that the model is for."""
     sphere_frame: str | tuple[str, ...] = 'moving'
-    """What the spheres move with, one for all or (n) one for each band: the scapula (`ground`), the
-    humerus (`humerus`), or a frame of the band's own (`moving`), which needs SC and HM."""
+    """What the spheres move with, one for all or (n) one for each band: the scapula (`ground`), a
+    bone that moves (`humerus`), or a frame of the band's own (`moving`), which needs SC and HM."""
+    bones: Bones = BALL_JOINT
+    """The bones, and which of them the points belong to."""
     licence: str = ''
     """What others may do with the model."""
     landmarks: tuple[Landmark, ...] = ()
@@ -121,7 +133,9 @@ class BroadMuscle:
         self._set('source', require_text('source', self.source))
         if self.licence != '':
             self._set('licence', require_text('licence', self.licence))
-        for name in ('band_names', 'interference_names'):
+        if not isinstance(self.bones, Bones):
+            raise FieldError('bones', f'{describe_value(self.bones)} given, Bones expected')
+        for name in ('band_names', 'interference_names', 'interference_bones'):
             self._set(name, require_items(name, getattr(self, name), str))
         check_names('band_names', self.band_names)
         check_distinct('interference_names', self.interference_names)
@@ -130,13 +144,28 @@ class BroadMuscle:
         check_heads(self.heads, self.band_names)
         self._set('landmarks', require_items('landmarks', self.landmarks, Landmark))
         check_landmarks([landmark.name for landmark in self.landmarks])
+        self._set_bones()
         if self.range_of_motion is not None:
             limits = require_intervals('range_of_motion', self.range_of_motion, COORDINATES)
             self._set('range_of_motion', limits)
-        frame = require_frame('sphere_frame', self.sphere_frame, len(self.band_names))
-        self._set('sphere_frame', frame)
         self._set_arrays()
         check_geometry(self)
+
+    def _set_bones(self) -> None:
+        """Check what the points belong to."""
+        n, k = len(self.band_names), len(self.interference_names)
+        self.bones.check_count(n)
+        check_bones(self.bones, self.landmarks, 'landmarks')
+        bones = self.interference_bones
+        if len(bones) not in (0, k):
+            reason = f'{len(bones)} given, {k} expected, one for each interference sphere'
+            raise FieldError('interference_bones', reason)
+        for i, bone in enumerate(bones):
+            self.bones.require(f'interference_bones[{i}]', bone)
+        if set(bones) == {self.bones.ground}:
+            self._set('interference_bones', ())
+        frame = require_frame('sphere_frame', self.sphere_frame, n, self.bones.frames)
+        self._set('sphere_frame', frame)
 
     def _set_arrays(self) -> None:
         """Take copies of the arrays, and check them; no SC and no HM without a moving frame."""
@@ -336,8 +365,18 @@ class BroadMuscle:
 
     @property
     def sphere_frames(self) -> tuple[str, ...]:
-        """(n) what each band's sphere moves with: `moving`, `ground` or `humerus`."""
+        """(n) what each band's sphere moves with: `moving`, `ground` or a bone that moves."""
         return expand_frame(self.sphere_frame, len(self.band_names))
+
+    @property
+    def bones_of_interference(self) -> tuple[str, ...]:
+        """(k) the bone of each interference sphere."""
+        return self.interference_bones or (self.bones.ground,) * len(self.interference_names)
+
+    @property
+    def has_ball_joint(self) -> bool:
+        """Whether only the last bone's insertions, and HM, move where that bone alone does."""
+        return self.bones.have_ball_joint(self.sphere_frames)
 
     def bands_by_sphere(self) -> dict[int, list[int]]:
         """Return which bands share an obstacle sphere.

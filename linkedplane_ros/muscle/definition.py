@@ -16,8 +16,8 @@ import numpy as np
 
 from ..errors import FieldError
 from ..types import Floats, Interval, Point
+from .bones import BALL_JOINT, Bones
 from .parts import (
-    FRAMES,
     METRES,
     RADIANS,
     Curve,
@@ -63,11 +63,11 @@ class Definition:
     """Of the first and the last band, or (n); None where there are no polynomials."""
     heads: tuple[Head, ...]
     origin: Curves
-    """x, y and z, ground frame."""
+    """x, y and z, each in the frame of its bone: the ground, if `bones` does not say otherwise."""
     insertion: Curves
-    """x, y and z, humerus frame."""
+    """x, y and z, each in the frame of its bone: the humerus, as above."""
     sphere_frame: str | tuple[str, ...]
-    """One of FRAMES, or (n) one for each band."""
+    """One of `bones.frames`, or (n) one for each band."""
     sphere_centre: Curves
     """x, y and z, each in its `sphere_frame`."""
     sphere_radius: Curve
@@ -82,6 +82,7 @@ class Definition:
     interference_spheres: tuple[InterferenceSphere, ...] = ()
     landmarks: tuple[Landmark, ...] = ()
     range_of_motion: tuple[Interval, Interval, Interval] | None = None
+    bones: Bones = BALL_JOINT
 
     def __post_init__(self) -> None:
         """Check units, frames, s and the lengths of lists; FieldError names the file's key."""
@@ -95,13 +96,23 @@ class Definition:
         elif self.s is not None:
             check_count('bands.s', len(self.s), n)
             require_array('bands.s', self.s, (n,))
+        self.bones.check_count(n)
+        check_bones(self.bones, self.landmarks, 'landmarks')
+        check_bones(self.bones, self.interference_spheres, 'interference_spheres')
         self._check_frame()
         self._check_curves()
+
+    @property
+    def version(self) -> int:
+        """The version of the format that its file has: the first that can say all."""
+        standing = all(each.bone == self.bones.ground for each in self.interference_spheres)
+        return 1 if standing and self.bones == BALL_JOINT else 2
 
     def _check_frame(self) -> None:
         """Refuse SC and HM without a moving frame, and such a frame without them."""
         n = len(self.band_names)
-        frames = expand_frame(require_frame('sphere.frame', self.sphere_frame, n), n)
+        frame = require_frame('sphere.frame', self.sphere_frame, n, self.bones.frames)
+        frames = expand_frame(frame, n)
         points = {
             'sphere.ground_point': self.ground_point,
             'sphere.humeral_point': self.humeral_point,
@@ -200,12 +211,16 @@ class Definition:
             'interference_centres': np.array([sphere.centre for sphere in spheres]).reshape(-1, 3)
             * metres,
             'interference_radii': np.array([sphere.radius for sphere in spheres]) * metres,
+            'interference_bones': tuple(sphere.bone for sphere in spheres)
+            if any(sphere.bone != self.bones.ground for sphere in spheres)
+            else (),
             'landmarks': tuple(
                 Landmark(mark.name, mark.bone, multiply_point(mark.at, (metres,) * 3))
                 for mark in self.landmarks
             ),
             'range_of_motion': self.range_of_motion
             and tuple((low * radians, high * radians) for low, high in self.range_of_motion),
+            'bones': self.bones,
         }
 
 
@@ -215,13 +230,21 @@ def check_count(key: str, count: int, n: int, what: str = 'numbers') -> None:
         raise FieldError(key, f'a list of {n} {what} expected, a list of {count} given')
 
 
-def require_frame(field: str, value: Any, n: int) -> str | tuple[str, ...]:
-    """Return what spheres move with, one of FRAMES for all or n of them; FieldError for others."""
+def check_bones(
+    bones: Bones, parts: Iterable[Landmark] | Iterable[InterferenceSphere], key: str
+) -> None:
+    """Refuse landmarks, or interference spheres, on a bone that is not there."""
+    for each in parts:
+        bones.require(f'{key}.{each.name}.bone', each.bone)
+
+
+def require_frame(field: str, value: Any, n: int, known: tuple[str, ...]) -> str | tuple[str, ...]:
+    """Return what spheres move with, one of the known for all or n of them; or FieldError."""
     if isinstance(value, str) or not isinstance(value, Iterable):
-        return require_choice(field, value, FRAMES)
+        return require_choice(field, value, known)
     frames = tuple(value)
     check_count(field, len(frames), n, 'frames, one for each band,')
-    return tuple(require_choice(f'{field}[{i}]', each, FRAMES) for i, each in enumerate(frames))
+    return tuple(require_choice(f'{field}[{i}]', each, known) for i, each in enumerate(frames))
 
 
 def expand_frame(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:
@@ -244,10 +267,12 @@ def define_in_metres(fields: dict[str, Any]) -> Definition:
     def numbers(values: Floats | None) -> Any:
         return None if values is None else tuple(values.tolist())
 
+    names = fields['interference_names']
     spheres = zip(
-        fields['interference_names'],
+        names,
         fields['interference_centres'].tolist(),
         fields['interference_radii'].tolist(),
+        fields['interference_bones'] or (fields['bones'].ground,) * len(names),
         strict=True,
     )
     return Definition(
@@ -269,8 +294,10 @@ def define_in_metres(fields: dict[str, Any]) -> Definition:
         plane_angle=Listed(numbers(fields['plane_angles'])),
         reference_normal=numbers(fields['reference_normal']),
         interference_spheres=tuple(
-            InterferenceSphere(name, (x, y, z), radius) for name, (x, y, z), radius in spheres
+            InterferenceSphere(name, (x, y, z), radius, bone)
+            for name, (x, y, z), radius, bone in spheres
         ),
         landmarks=fields['landmarks'],
         range_of_motion=fields['range_of_motion'],
+        bones=fields['bones'],
     )

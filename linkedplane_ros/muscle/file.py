@@ -9,11 +9,11 @@ from importlib import resources
 
 from ..errors import FieldError, describe_value
 from ..types import Interval
+from .bones import BALL_JOINT, Bones
 from .definition import Definition
-from .keys import FORMAT, KEYS_OF_FIELDS, VERSION, check_keys, known_keys
+from .keys import FORMAT, KEYS_OF_FIELDS, VERSIONS, check_keys, known_keys
 from .parts import (
     COORDINATES,
-    FRAMES,
     Curve,
     Curves,
     Head,
@@ -43,11 +43,13 @@ def read_definition(file: YamlMapping) -> Definition:
     if file.content['format'] != FORMAT:
         given = describe_value(file.content['format'])
         raise file.fault('format', f'{given} given, {FORMAT!r} expected')
-    if not is_version(file.content['version'], VERSION):
-        given = describe_value(file.content['version'])
+    version = file.content['version']
+    if not any(is_version(version, known) for known in VERSIONS):
+        known = ' or '.join(map(str, VERSIONS))
         raise file.fault(
             'version',
-            f'{given} given, {VERSION} expected: the version of the format that this program reads',
+            f'{describe_value(version)} given, {known} expected: the versions of the format that '
+            'this program reads',
         )
     units = file.mapping('units')
     check_keys(units, 'units')
@@ -56,9 +58,10 @@ def read_definition(file: YamlMapping) -> Definition:
     sphere = file.mapping('sphere')
     check_keys(sphere, 'sphere')
     frame = sphere.content['frame']
-    if not isinstance(frame, list):
-        sphere.choice('frame', FRAMES)
     with name_keys(file):
+        bones = read_bones(file, version)
+        if not isinstance(frame, list):
+            sphere.choice('frame', bones.frames)
         return Definition(
             name=file.text('name'),
             source=file.text('source'),
@@ -77,10 +80,28 @@ def read_definition(file: YamlMapping) -> Definition:
             humeral_point=sphere.point('humeral_point') if 'humeral_point' in sphere else None,
             plane_angle=_read_curve(file, 'plane_angle'),
             reference_normal=file.point('reference_normal'),
-            interference_spheres=read_interference_spheres(file),
+            interference_spheres=read_interference_spheres(file, version, bones.ground),
             landmarks=_read_landmarks(file),
             range_of_motion=_read_range_of_motion(file),
+            bones=bones,
         )
+
+
+def read_bones(file: YamlMapping, version: int) -> Bones:
+    """Return the bones of a file; those of version 1 are scapula and humerus."""
+    if version == 1:
+        if 'bones' in file:
+            raise file.fault('bones', 'unknown key in version 1; version: 2 has it')
+        return BALL_JOINT
+    if 'bones' not in file:
+        raise file.fault('bones', 'missing')
+    bones = file.mapping('bones')
+    check_keys(bones, 'bones')
+    given = {key: value for key, value in bones.content.items() if key != 'names'}
+    for key, value in given.items():
+        if value == '':
+            raise bones.fault(key, "'' given, the name of a bone expected")
+    return Bones(bones.names('names'), **given)
 
 
 def _read_s(bands: YamlMapping) -> Span | tuple[float, ...] | None:
@@ -134,13 +155,19 @@ def _read_heads(file: YamlMapping) -> tuple[Head, ...]:
     return tuple(heads)
 
 
-def read_interference_spheres(file: YamlMapping) -> tuple[InterferenceSphere, ...]:
+def read_interference_spheres(
+    file: YamlMapping, version: int = 1, ground: str = 'scapula'
+) -> tuple[InterferenceSphere, ...]:
     """Return the interference spheres of a file, in its unit of length."""
     spheres = []
     for name, entry in file.mappings('interference_spheres'):
         check_keys(entry, 'interference_spheres.NAME')
+        if version == 1 and 'bone' in entry:
+            raise entry.fault('bone', 'unknown key in version 1; version: 2 has it')
+        bone = entry.content.get('bone', ground)
         with name_keys(entry):
-            spheres.append(InterferenceSphere(name, entry.point('centre'), entry.number('radius')))
+            centre, radius = entry.point('centre'), entry.number('radius')
+            spheres.append(InterferenceSphere(name, centre, radius, bone))
     return tuple(spheres)
 
 

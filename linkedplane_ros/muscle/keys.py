@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .parts import BONES, FRAMES, METRES, RADIANS
+from .parts import METRES, RADIANS
 from .yaml_mapping import YamlMapping
 
 FORMAT = 'linkedplane_ros/broad_muscle'
-VERSION = 1
+VERSIONS = (1, 2)
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Key:
 
 TYPES = {
     'format': f'`{FORMAT}`',
-    'version': f'`{VERSION}`',
+    'version': ' or '.join(f'`{version}`' for version in VERSIONS),
     'word': 'a word',
     'words': 'a word, or a list with one for each band',
     'name': 'a letter, then letters, digits and `_`',
@@ -105,6 +105,46 @@ KEYS = (
         'text',
         'The one of these bands that represents the head in comparisons.',
     ),
+    Key(
+        'bones',
+        '',
+        'The bones, and which of them the points belong to. Needed in version 2, refused in '
+        'version 1: there the bones are `scapula` and `humerus`, and all else has its default.',
+        required=False,
+    ),
+    Key(
+        'bones.names',
+        'names',
+        'The ground bone first, then those that move. The last one is what a rotation alone poses, '
+        "about the ground's origin, as the joint angles do. At rest all frames coincide.",
+    ),
+    Key(
+        'bones.origin', 'words', 'The bones of the origins; by default the ground.', required=False
+    ),
+    Key(
+        'bones.insertion',
+        'words',
+        'The bones of the insertions; by default the last bone.',
+        required=False,
+    ),
+    Key(
+        'bones.ground_point',
+        'word',
+        'The bone of `sphere.ground_point`; by default the ground.',
+        required=False,
+    ),
+    Key(
+        'bones.humeral_point',
+        'word',
+        'The bone of `sphere.humeral_point`; by default the last bone.',
+        required=False,
+    ),
+    Key(
+        'bones.reference_normal',
+        'word',
+        'The bone that N turns with; by default the ground.',
+        required=False,
+    ),
     Key('origin', 'points', 'Where the bands arise.', LENGTH, GROUND, field='origins'),
     Key('insertion', 'points', 'Where the bands end.', LENGTH, HUMERUS, field='insertions'),
     Key(
@@ -115,9 +155,8 @@ KEYS = (
     Key(
         'sphere.frame',
         'words',
-        'What the spheres move with: the scapula (`ground`), the humerus, or a `moving` frame of '
-        "each band's own (below).",
-        choices=FRAMES,
+        'What the spheres move with: the scapula (`ground`), the `humerus` (or another bone that '
+        "moves), or a `moving` frame of each band's own (below).",
         field='sphere_frame',
     ),
     Key(
@@ -177,6 +216,12 @@ KEYS = (
     Key('interference_spheres.NAME.centre', 'point', 'The centre.', LENGTH, GROUND),
     Key('interference_spheres.NAME.radius', 'number', 'The radius, above zero.', LENGTH),
     Key(
+        'interference_spheres.NAME.bone',
+        'word',
+        'The bone that the sphere is on; by default the ground. Version 2 only.',
+        required=False,
+    ),
+    Key(
         'landmarks',
         '',
         'Places on the bones that can be found on a subject, by their names: what a subject is '
@@ -184,7 +229,9 @@ KEYS = (
         'there.',
         required=False,
     ),
-    Key('landmarks.NAME.bone', 'word', 'The bone that the landmark is on.', choices=BONES),
+    Key(
+        'landmarks.NAME.bone', 'word', 'The bone that the landmark is on: `scapula`, `humerus`, ...'
+    ),
     Key('landmarks.NAME.at', 'point', 'The place.', LENGTH, "its bone's"),
     Key(
         'range_of_motion',

@@ -10,13 +10,10 @@ import numpy as np
 
 from ..errors import FieldError, describe_value
 from ..types import Floats, Point
-from .validity import check_names, require_array, require_choice, require_point
+from .validity import check_names, require_array, require_point
 
 METRES = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
 RADIANS = {'rad': 1.0, 'deg': math.pi / 180.0}
-FRAMES = ('moving', 'ground', 'humerus')
-"""What a sphere moves with: its band's moving frame, the scapula, the humerus."""
-BONES = ('scapula', 'humerus')
 COORDINATES = ('flexion', 'abduction', 'rotation')
 
 
@@ -93,12 +90,14 @@ class Head:
 
 @dataclass(frozen=True)
 class InterferenceSphere:
-    """An interference sphere: bone that no band should enter, ground frame."""
+    """An interference sphere: bone that no band should enter."""
 
     name: str
     centre: Point
     radius: float
     """Both in the unit of length of the definition."""
+    bone: str = 'scapula'
+    """Its bone, in whose frame the centre is."""
 
     def __post_init__(self) -> None:
         """Check centre and radius; FieldError names the field."""
@@ -117,20 +116,19 @@ class Landmark:
     Raises
     ------
     ModelError
-        For another bone, and unless the place is three finite numbers.
+        Unless the place is three finite numbers. Whether the muscle has the bone is checked there.
 
     """
 
     name: str
     bone: str
-    """`scapula` or `humerus`"""
+    """One of the muscle's bones: `scapula`, `humerus`, ..."""
     at: Point
     """The place in the bone's frame: m in a BroadMuscle, the file's unit in a Definition."""
 
     def __post_init__(self) -> None:
-        """Check bone and place; FieldError names the field."""
+        """Check the place; FieldError names the field."""
         owner = f'landmark {self.name}'
-        require_choice('bone', self.bone, BONES, owner)
         object.__setattr__(self, 'at', require_point('at', self.at, owner))
 
 

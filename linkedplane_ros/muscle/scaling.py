@@ -18,9 +18,9 @@ import numpy as np
 
 from ..errors import ModelError, describe_value
 from ..types import Floats, Point
+from .bones import BALL_JOINT
 from .definition import Definition, expand_frame
 from .parts import (
-    BONES,
     METRES,
     Curve,
     Curves,
@@ -33,6 +33,7 @@ from .yaml_mapping import YamlMapping, is_version, read_yaml
 
 FORMAT = 'linkedplane_ros/subject'
 VERSION = 1
+BONES = BALL_JOINT.names
 LEAST, MOST = 0.2, 5.0  # factors: a newborn's arm is a fifth of an adult's
 LEAST_MEASURED, MOST_MEASURED = 0.5, 2.0  # a person's against the model's; beyond, a unit is wrong
 FLAT = 0.1  # of the farthest landmark's distance: below, an axis has no factor of its own
@@ -126,9 +127,15 @@ def scale_definition(model: Definition, scale: Scale) -> Definition:
     """Return a definition at another size, in its own units; its source says the scale."""
     if scale.uniform and scale.scapula[0] == 1.0:
         return model
-    bones = {'scapula': scale.scapula, 'humerus': scale.humerus}
+    if model.bones != BALL_JOINT and scale.scapula != scale.humerus:
+        raise ModelError(
+            f'scale: {model.name} has its points on {", ".join(model.bones.names)}; one factor, or '
+            '3 (x,y,z), for all of them expected'
+        )
+    bones = dict.fromkeys(model.bones.names, scale.scapula)
+    bones[model.bones.joint] = scale.humerus
     middle = geometric_mean(*scale.scapula, *scale.humerus)
-    frames = {'ground': scale.scapula, 'humerus': scale.humerus, 'moving': (middle,) * 3}
+    frames = {**bones, 'ground': scale.scapula, 'moving': (middle,) * 3}
     factors = [frames[frame] for frame in expand_frame(model.sphere_frame, len(model.band_names))]
     s = model.s_of_bands
     x, y, z = (
@@ -204,6 +211,11 @@ def measure_scale(file: YamlMapping, model: Definition) -> Scale:
     metres = METRES[units.choice('length', METRES)] / METRES[model.length]
     if ('points' in file) == ('distances' in file):
         raise file.fault('points', 'or distances expected, one of the two')
+    if model.bones != BALL_JOINT:
+        raise ModelError(
+            f'{file.file}: measurements are for models of scapula and humerus; {model.name} has '
+            f'its points on {", ".join(model.bones.names)}'
+        )
     kind = 'points' if 'points' in file else 'distances'
     pairs = list({'points': point_pairs, 'distances': distance_pairs}[kind](file, model))
     factors: dict[str, Point] = {}

@@ -10,7 +10,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .keys import FORMAT, VERSION, Key, keys_below
+from .bones import BALL_JOINT
+from .keys import FORMAT, VERSIONS, Key, keys_below
 from .validity import JOINT_CENTRE
 
 FILE = Path(__file__).parents[1] / 'models' / 'broad_muscle.schema.json'
@@ -19,13 +20,20 @@ NUMBER = {'type': 'number'}
 POINT = {'type': 'array', 'minItems': 3, 'maxItems': 3, 'items': NUMBER}
 TYPES: dict[str, dict[str, Any]] = {
     'format': {'const': FORMAT},
-    'version': {'const': VERSION},
+    'version': {'enum': list(VERSIONS)},
     'name': {'type': 'string', 'pattern': r'^\s*[A-Za-z][A-Za-z0-9_]*\s*$'},
     'names': {
         'type': 'array',
         'minItems': 1,
         'uniqueItems': True,
         'items': {'type': 'string', 'pattern': r'^[^,]*[^,\s][^,]*$'},
+    },
+    'word': {'type': 'string', 'minLength': 1},
+    'words': {
+        'oneOf': [
+            {'type': 'string', 'minLength': 1},
+            {'type': 'array', 'minItems': 1, 'items': {'type': 'string', 'minLength': 1}},
+        ]
     },
     'text': {'type': 'string', 'pattern': r'\S'},
     'number': NUMBER,
@@ -40,6 +48,7 @@ TYPES: dict[str, dict[str, Any]] = {
 # What concerns more than one key, or the names that the user gives
 BEYOND_TYPES: dict[str, dict[str, Any]] = {
     'heads': {'minProperties': 1},
+    'bones.names': {'minItems': 2},
     'landmarks': {'propertyNames': {'not': {'const': JOINT_CENTRE}}},
     'interference_spheres.NAME.radius': {'exclusiveMinimum': 0},
     'sphere': {
@@ -59,6 +68,20 @@ BEYOND_TYPES: dict[str, dict[str, Any]] = {
 }
 
 
+# What only later versions have
+FRAME = {'enum': list(BALL_JOINT.frames)}
+FIRST_VERSION: dict[str, Any] = {
+    'bones': False,
+    'sphere': {
+        'properties': {'frame': {'oneOf': [FRAME, {'type': 'array', 'items': FRAME}]}},
+    },
+    'interference_spheres': {'additionalProperties': {'properties': {'bone': False}}},
+    'landmarks': {
+        'additionalProperties': {'properties': {'bone': {'enum': list(BALL_JOINT.names)}}},
+    },
+}
+
+
 def json_schema() -> dict[str, Any]:
     """Return the schema, of JSON Schema's draft 7."""
     listed = describe_mapping('QUANTITY')
@@ -74,6 +97,9 @@ def json_schema() -> dict[str, Any]:
             'See doc/reference/model_format.md.'
         ),
         **describe_mapping(''),
+        'if': {'properties': {'version': {'const': 1}}},
+        'then': {'properties': FIRST_VERSION},
+        'else': {'required': ['bones']},
         'definitions': {
             'quantity': {
                 'description': (

@@ -10,7 +10,7 @@ import yaml
 
 from ..errors import ModelError
 from .definition import Definition
-from .keys import FORMAT, VERSION, known_keys
+from .keys import FORMAT, known_keys
 from .parts import COORDINATES, Curve, Curves, Listed, Span
 from .yaml_mapping import YamlMapping
 
@@ -46,7 +46,7 @@ def file_content(definition: Definition) -> dict[str, Any]:
         bands['s'] = _plain(definition.s)
     model: dict[str, Any] = {
         'format': FORMAT,
-        'version': VERSION,
+        'version': definition.version,
         'name': definition.name,
         'source': definition.source,
         'licence': definition.licence,
@@ -56,13 +56,17 @@ def file_content(definition: Definition) -> dict[str, Any]:
             head.name: {'bands': _plain(head.bands), 'represented_by': head.represented_by}
             for head in definition.heads
         },
+        'bones': definition.version > 1
+        and {key: _plain(value) for key, value in vars(definition.bones).items()},
         'origin': _points_content(definition.origin),
         'insertion': _points_content(definition.insertion),
         'sphere': sphere,
         'plane_angle': _curve_content(definition.plane_angle),
         'reference_normal': _plain(definition.reference_normal),
         'interference_spheres': {
-            each.name: {'centre': _plain(each.centre), 'radius': each.radius}
+            each.name: {'centre': _plain(each.centre), 'radius': each.radius, 'bone': each.bone}
+            if definition.version > 1
+            else {'centre': _plain(each.centre), 'radius': each.radius}
             for each in definition.interference_spheres
         },
         'landmarks': {

@@ -21,7 +21,7 @@ BLOCK = 1000  # poses that are lists at a time, uncompiled
 def run_kernel(
     kernel: Callable[..., Outcome],
     given: tuple[Any, ...],
-    rotations: Floats,
+    poses: Floats,
     filled: tuple[npt.NDArray[Any], ...],
 ) -> Outcome:
     """Run a kernel over poses: in threads if that pays; on lists, which are faster, if uncompiled.
@@ -29,22 +29,22 @@ def run_kernel(
     Parameters
     ----------
     kernel
-        Called with `given`, rotations, the first pose and the one after the last, and `filled`.
+        Called with `given`, poses, the first pose and the one after the last, and `filled`.
     given
         What is the same at all poses.
-    rotations
-        (m, 3, 3) humerus -> scapula.
+    poses
+        (m, 3, 3) humerus -> scapula, or (m, k, 3, 4) of k bones.
     filled
         Arrays (m, ...) that the kernel fills in.
 
     """
-    m = len(rotations)
+    m = len(poses)
     if not COMPILED:
         for start in range(0, m, BLOCK):
             part = slice(start, start + BLOCK)
             lists = [array[part].tolist() for array in filled]
-            given_rotations = rotations[part].tolist()
-            k, fault, band = kernel(*given, given_rotations, 0, len(lists[0]), *lists)
+            given_poses = poses[part].tolist()
+            k, fault, band = kernel(*given, given_poses, 0, len(lists[0]), *lists)
             if fault != SOLVED:
                 return start + k, fault, band
             for array, values in zip(filled, lists, strict=True):
@@ -52,11 +52,11 @@ def run_kernel(
         return m, SOLVED, 0
     threads = available_cores() if m >= PARALLEL_FROM else 1
     if threads == 1:
-        return kernel(*given, rotations, 0, m, *filled)
+        return kernel(*given, poses, 0, m, *filled)
     bounds = [m * i // threads for i in range(threads + 1)]
     with ThreadPoolExecutor(threads) as pool:
         outcomes = pool.map(
-            lambda start, stop: kernel(*given, rotations, start, stop, *filled),
+            lambda start, stop: kernel(*given, poses, start, stop, *filled),
             bounds[:-1],
             bounds[1:],
         )

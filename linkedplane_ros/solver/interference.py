@@ -29,7 +29,7 @@ def depths(state: MuscleState) -> tuple[Floats, Floats]:
 
     """
     muscle = state.solver.muscle
-    centres = state.solver.to_side(muscle.interference_centres)
+    centres = state.interference_centres
     places = closest_points(state, centres)
     return muscle.interference_radii - np.linalg.norm(places - centres, axis=-1), places
 
@@ -37,7 +37,7 @@ def depths(state: MuscleState) -> tuple[Floats, Floats]:
 def closest_points(state: MuscleState, centres: Floats) -> Floats:
     """Return the points (n, k, 3) of the n paths that are closest to the centres (k, 3), m."""
     n = len(state.lengths)
-    P = state.solver.origins
+    P = state.origins
     S, _, arcs = state.solver.draw_bands(state, 3)
     # a straight band is its line from P to S, and nothing more at S
     straight = state.wrap[:, np.newaxis] != WRAPPED

@@ -3,18 +3,19 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, isfinite, sin
 from typing import Any
 
 from ..joints.conventions import turn_in_sequence
-from ..joints.rotations import PROPER, matrix_rows, rotation_fault
+from ..joints.rotations import NOT_FINITE, PROPER, matrix_rows, rotation_fault
 from ..linked_planes.band import WRAPPED, wrap
+from ..linked_planes.bones import REST, motion_of, place_muscle, posed_rows
 from ..linked_planes.chain import bands_at, plane_at
 from ..linked_planes.compilation import compiled, entry
 from ..linked_planes.layout import Muscle, band_count, band_vectors
 from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
-from ..linked_planes.vectors import cross, mix, norm, plus, times
+from ..linked_planes.vectors import Rotation, cross, mix, norm, plus, times
 
 SOLVED, NO_PLANE = PROPER, 4  # beside the faults of rotations
 
@@ -47,6 +48,45 @@ def solve_poses(
         theta, held = solve_theta(bands, neutral)
         thetas[k] = theta
         muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k], None)
+    return stop, SOLVED, 0
+
+
+@entry
+def solve_bone_poses(
+    muscle: Muscle,
+    neutral: float,
+    poses: Any,
+    start: int,
+    stop: int,
+    thetas: Any,
+    lengths: Any,
+    wrenches: Any,
+    states: Any,
+) -> Outcome:
+    """Fill in the states of the poses (m, k, 3, 4) of k bones that move, from start to stop.
+
+    Wrenches are (m, 2 k, 3 n): for each bone the moments, m, then the forces on it. The last number
+    of an outcome is the bone whose rotation is at fault, or the band that has no plane.
+    """
+    for j in range(start, stop):
+        bones = len(poses[j])
+        for bone in range(1, bones + 1):
+            rotation, (x, y, z) = posed_rows(poses[j], bone)
+            fault = rotation_fault(rotation)
+            if fault == PROPER and not (isfinite(x) and isfinite(y) and isfinite(z)):
+                fault = NOT_FINITE
+            if fault != PROPER:
+                return j, fault, bone
+        placed = place_muscle(muscle, poses[j])
+        bands = bands_at(placed, REST)
+        if len(bands) < band_count(muscle):
+            return j, NO_PLANE, len(bands)
+        theta, held = solve_theta(bands, neutral)
+        thetas[j] = theta
+        for k in range(2 * bones):
+            motion = motion_of(placed, k // 2 + 1, k % 2 == 1)
+            filled = lengths[j], wrenches[j][k], states[j]
+            muscle_state(placed, REST, bands, theta, held, *filled, motion)
     return stop, SOLVED, 0
 
 
@@ -93,7 +133,7 @@ def answer(
 @compiled
 def draw(
     muscle: Muscle,
-    rotation: Any,
+    rotation: Rotation,
     theta: float,
     states: Any,
     insertions: Any,
@@ -105,7 +145,7 @@ def draw(
     An arc runs from the first transition point Q to the second, T; a straight band's is left
     as it was.
     """
-    bands = bands_at(muscle, matrix_rows(rotation))
+    bands = bands_at(muscle, rotation)
     c, s = cos(theta), sin(theta)
     for i in range(len(bands)):
         band = bands[i]
@@ -145,4 +185,21 @@ def draw_poses(
 ) -> None:
     """Draw the muscle at m poses: all as `draw`, with a leading m."""
     for k in range(len(thetas)):
-        draw(muscle, rotations[k], thetas[k], states[k], insertions[k], centres[k], arcs[k])
+        rotation = matrix_rows(rotations[k])
+        draw(muscle, rotation, thetas[k], states[k], insertions[k], centres[k], arcs[k])
+
+
+@entry
+def draw_bone_poses(
+    muscle: Muscle,
+    poses: Any,
+    thetas: Any,
+    states: Any,
+    insertions: Any,
+    centres: Any,
+    arcs: Any,
+) -> None:
+    """Draw the muscle at m poses (m, k, 3, 4) of k bones: all as `draw`, with a leading m."""
+    for j in range(len(thetas)):
+        placed = place_muscle(muscle, poses[j])
+        draw(placed, REST, thetas[j], states[j], insertions[j], centres[j], arcs[j])

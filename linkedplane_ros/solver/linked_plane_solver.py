@@ -9,6 +9,8 @@ the rotation of the right shoulder at the same anatomical angles.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,13 +20,13 @@ from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import FAULTS, as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
-from ..linked_planes.compilation import COMPILED
-from ..linked_planes.layout import pack_muscle
-from ..muscle.bones import Bones
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats
 from .batches import run_kernel
-from .kernels import NO_PLANE, SOLVED, answer, draw_poses, solve_poses
+from .kernels import NO_PLANE, SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
+from .over_bones import answer_by_steps, solve_last_bone, solve_over_bones
+from .packing import pack_broad_muscle
+from .poses import Pose, pack_pose_batch, pack_poses
 from .states import Answer, MuscleState, MuscleStates
 
 NO_PLANE_REASON = (
@@ -64,11 +66,14 @@ class LinkedPlaneSolver:
         check_side(side)
         self.muscle = muscle
         self.side = side
-        self._flat = pack_broad_muscle(muscle)
-        self._neutral = 0.0
+        self._ball = muscle.has_ball_joint
+        if self._ball:
+            points = muscle.bones.number_on_ball_joint(muscle.sphere_frames)
+            self._flat = pack_broad_muscle(muscle, points)
+        self.neutral = 0.0
         neutral = self.solve(np.eye(3))
         neutral.paths()
-        self._neutral = neutral.theta
+        self.neutral = neutral.theta
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, LinkedPlaneSolver):
@@ -82,9 +87,21 @@ class LinkedPlaneSolver:
         return LinkedPlaneSolver, (self.muscle, self.side)  # the rest follows from them
 
     @property
+    def bones(self) -> tuple[str, ...]:
+        """The bones: the ground first, then the k that move; a rotation alone poses the last."""
+        return self.muscle.bones.names
+
+    @property
     def origins(self) -> Floats:
-        """(n, 3) origins, m, scapula frame."""
+        """(n, 3) origins, m, scapula frame, with all bones at rest."""
         return self.to_side(self.muscle.origins)
+
+    @cached_property
+    def flat_bones(self) -> Any:
+        """The muscle with each point on its own bone, as the kernels of several bones take it."""
+        return pack_broad_muscle(
+            self.muscle, self.muscle.bones.number_points(self.muscle.sphere_frames)
+        )
 
     def solve(self, rotation: npt.ArrayLike) -> MuscleState:
         """Solve one pose.
@@ -97,7 +114,8 @@ class LinkedPlaneSolver:
         Returns
         -------
         MuscleState
-            Lengths in m, moment vectors in m about the scapula axes, theta in rad, wrap states.
+            Lengths in m, moment vectors in m about the scapula axes, theta in rad, wrap states. In
+            a muscle of more bones the last one is posed, and the others are at rest.
 
         Raises
         ------
@@ -107,6 +125,8 @@ class LinkedPlaneSolver:
 
         """
         matrix = as_matrix(rotation)
+        if not self._ball:
+            return solve_last_bone(self, matrix[np.newaxis], 'rotation')[0]
         theta, lengths, moments, wrap = self._solve(matrix[np.newaxis], 'rotation')
         return MuscleState(float(theta[0]), lengths[0], moments[0], wrap[0], matrix, self)
 
@@ -130,7 +150,57 @@ class LinkedPlaneSolver:
 
         """
         matrices = as_matrices(rotations)
+        if not self._ball:
+            return solve_last_bone(self, matrices, 'rotations[{}]')
         return MuscleStates(*self._solve(matrices, 'rotations[{}]'), matrices, self)
+
+    def solve_bones(self, bones: Mapping[str, Pose]) -> MuscleState:
+        """Solve the muscle at one pose of each of its bones (spec bones.md).
+
+        Parameters
+        ----------
+        bones
+            For each bone that moves its pose (R, t), right-shoulder form: a point x of the bone
+            stands at R x + t in the ground frame; R (3, 3), t (3,) m. A bone left out is at rest,
+            where all bones' frames are the ground's.
+
+        Returns
+        -------
+        MuscleState
+            As from `solve`, with the `wrenches` on all bones that move. Moment vectors are about
+            the ground's origin, of the last bone.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For a bone that the muscle does not have or that is the ground, for anything but a
+            proper, finite rotation and a finite shift, and where a band's plane is undefined.
+
+        """
+        return solve_over_bones(self, pack_poses(self.bones, bones), '')[0]
+
+    def solve_bones_batch(self, bones: Mapping[str, Pose]) -> MuscleStates:
+        """Solve many poses of the bones; each answer is, to the bit, that of `solve_bones`.
+
+        Parameters
+        ----------
+        bones
+            For each bone that moves its m poses (R, t): R (m, 3, 3), t (m, 3) m. A bone left out
+            is at rest; m may be 0.
+
+        Returns
+        -------
+        MuscleStates
+            The fields of MuscleState with a leading m.
+
+        Raises
+        ------
+        LinkedPlaneError
+            As `solve_bones`, for the first pose that has no answer; for no bone at all, and for
+            bones with different numbers of poses.
+
+        """
+        return solve_over_bones(self, pack_pose_batch(self.bones, bones), '[{}]')
 
     def answer(
         self, convention: JointConvention, angles: npt.ArrayLike, speeds: npt.ArrayLike
@@ -163,13 +233,15 @@ class LinkedPlaneSolver:
         if not isinstance(convention, JointConvention):
             given = describe_value(convention)
             raise LinkedPlaneError(f'convention: {given} given, one of JOINT_CONVENTIONS expected')
+        if not self._ball:
+            return answer_by_steps(self, convention, angles, speeds)
         n = len(self.muscle.band_names)
         rotation, axes, theta = np.empty((1, 3, 3)), np.empty((3, 3)), np.empty(1)
         lengths, moments, arms = np.empty((1, n)), np.empty((1, 3 * n)), np.empty((n, 3))
         wrap, lengthening = np.empty((1, n), dtype=np.uint8), np.empty(n)
         _, fault, band = answer(
             self._flat,
-            self._neutral,
+            self.neutral,
             *convention.units_and_mix,
             as_triple('angles', angles, 'rad'),
             as_triple('speeds', speeds, 'rad/s'),
@@ -184,7 +256,7 @@ class LinkedPlaneSolver:
             lengthening,
         )
         if fault != SOLVED:
-            raise LinkedPlaneError(self._reason(fault, band))
+            raise LinkedPlaneError(self.explain_fault(fault, band))
         vectors = moments.reshape(n, 3)
         state = MuscleState(theta.item(), lengths[0], vectors, wrap[0], rotation[0], self)
         return Answer(state, arms, lengthening, axes)
@@ -197,14 +269,14 @@ class LinkedPlaneSolver:
         moments = np.empty((m, n, 3))
         wrap = np.empty((m, n), dtype=np.uint8)
         filled = theta, lengths, moments.reshape(m, 3 * n), wrap
-        k, fault, band = run_kernel(solve_poses, (self._flat, self._neutral), rotations, filled)
+        k, fault, band = run_kernel(solve_poses, (self._flat, self.neutral), rotations, filled)
         if fault != SOLVED:
-            raise LinkedPlaneError(f'{name.format(k)}: {self._reason(fault, band)}')
+            raise LinkedPlaneError(f'{name.format(k)}: {self.explain_fault(fault, band)}')
         if self.side == 'left':
             moments = mirror_axes(moments)
         return theta, lengths, moments, wrap
 
-    def _reason(self, fault: int, band: int) -> str:
+    def explain_fault(self, fault: int, band: int) -> str:
         """Return why a pose has no answer; `band` is the one that has no plane."""
         if fault != NO_PLANE:
             return FAULTS[fault]
@@ -245,9 +317,12 @@ class LinkedPlaneSolver:
         m = poses[0] if poses else 1
         drawn = np.empty((m, n, 3)), np.empty((m, n, 3)), np.zeros((m, n, points, 3))
         # copies, so that the kernel is compiled once and not for each kind of part of an array
-        rotations = np.array(state.rotation, ndmin=3)
         thetas, wrap = np.array(state.theta, ndmin=1), np.array(state.wrap, ndmin=2)
-        draw_poses(self._flat, rotations, thetas, wrap, *drawn)
+        if state.posed is None:
+            draw_poses(self._flat, np.array(state.rotation, ndmin=3), thetas, wrap, *drawn)
+        else:
+            bone_poses = np.array(state.posed.poses, ndmin=4)
+            draw_bone_poses(self.flat_bones, bone_poses, thetas, wrap, *drawn)
         insertions, centres, arcs = map(self.to_side, drawn)
         return (insertions, centres, arcs) if poses else (insertions[0], centres[0], arcs[0])
 
@@ -266,20 +341,3 @@ class LinkedPlaneSolver:
 
         """
         return mirror_points(points) if self.side == 'left' else points
-
-
-def pack_broad_muscle(muscle: BroadMuscle) -> Any:
-    """Return the muscle as the kernels read it: an array compiled, a list, faster, if not."""
-    numbers = pack_muscle(
-        muscle.reference_normal,
-        muscle.ground_point,
-        muscle.humeral_point,
-        muscle.origins,
-        muscle.insertions,
-        muscle.sphere_centres,
-        muscle.sphere_radii,
-        np.cos(muscle.plane_angles),
-        np.sin(muscle.plane_angles),
-        Bones().number_on_ball_joint(muscle.sphere_frames),
-    )
-    return numbers if COMPILED else numbers.tolist()

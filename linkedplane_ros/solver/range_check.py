@@ -89,7 +89,7 @@ def inside_warnings(muscle: BroadMuscle, states: MuscleStates, angles: Floats) -
     """Warn of attachments inside their obstacle spheres: there is no path, the band is straight."""
     depths = np.full((2, *states.lengths.shape), -np.inf)  # m, of origins and insertions
     for k in np.flatnonzero((states.wrap == WrapState.INSIDE).any(axis=1)).tolist():
-        for end, points in enumerate((muscle.origins, states[k].insertions)):
+        for end, points in enumerate((states[k].origins, states[k].insertions)):
             away = np.linalg.norm(points - states[k].sphere_centres, axis=1)
             depths[end, k] = muscle.sphere_radii - away
     for name, depth in zip(('origin', 'insertion'), 1e3 * depths, strict=True):
@@ -127,12 +127,14 @@ def fan_angles(muscle: BroadMuscle, states: MuscleStates) -> tuple[Floats, Float
     That between the band's line and the normal it follows, up to 90 deg; and that between the sides
     to which it and the band before it bulge, 0 for the first.
     """
-    ends = np.einsum('mij,nj->mni', states.rotation, muscle.insertions)
-    lines = ends - muscle.origins
+    n = len(muscle.band_names)
+    ends = states.place_points(muscle.insertions, muscle.bones.of_bands('insertion', n))
+    lines = ends - states.place_points(muscle.origins, muscle.bones.of_bands('origin', n))
     u = lines / np.linalg.norm(lines, axis=2, keepdims=True)
-    m, n = states.lengths.shape
+    m = len(states)
     between, apart = np.empty((m, n)), np.zeros((m, n))
-    normal = np.broadcast_to(muscle.reference_normal, (m, 3))
+    N = muscle.reference_normal[np.newaxis]
+    normal = states.place_points(N, [muscle.bones.reference_normal], shift=False)[:, 0]
     bulge = np.zeros((m, 3))
     for i in range(n):
         phi = (states.theta if i == 0 else np.full(m, muscle.plane_angles[i]))[:, np.newaxis]

@@ -5,9 +5,8 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import IntEnum
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy.typing as npt
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
 from ..types import Bytes, Floats
+from .results import Placed, PosedBones, Result
 
 if TYPE_CHECKING:
     from .linked_plane_solver import LinkedPlaneSolver
@@ -36,48 +36,9 @@ class WrapState(IntEnum):
     """Drawn straight: no valid path, an end lies inside the sphere."""
 
 
-class _Result:
-    """What all results have in common: equality by value, and small pickles."""
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, type(self)):
-            return NotImplemented
-        return all(map(_are_equal, self._values(), other._values()))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), self._values()  # only the fields: drawings are made again
-
-    def _values(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
-
-
-def _are_equal(one: Any, other: Any) -> bool:
-    return np.array_equal(one, other) if isinstance(one, np.ndarray) else bool(one == other)
-
-
-class _Drawn(_Result):
-    """What states at one pose and at many have in common: where the bands are."""
-
-    solver: LinkedPlaneSolver
-
-    @cached_property
-    def _drawn(self) -> tuple[Floats, Floats, Floats]:
-        return self.solver.draw_bands(self, 2)  # type: ignore[arg-type]
-
-    @property
-    def insertions(self) -> Floats:
-        """(n, 3) insertions, m, scapula frame; (m, n, 3) at m poses."""
-        return self._drawn[0]
-
-    @property
-    def sphere_centres(self) -> Floats:
-        """(n, 3) obstacle sphere centres, m, scapula frame; (m, n, 3) at m poses."""
-        return self._drawn[1]
-
-
 @dataclass(frozen=True, eq=False)
-class MuscleState(_Drawn):
-    """The muscle at one pose, n bands; its arrays are read-only.
+class MuscleState(Placed):
+    """The muscle at one pose, n bands, k bones that move; its arrays are read-only.
 
     Moment arms about a convention's coordinates are
     ``state.moment_vectors @ convention.axes(angles, side)``: positive where shortening turns the
@@ -93,13 +54,17 @@ class MuscleState(_Drawn):
     wrap: Bytes
     """(n,) WrapState of each band."""
     rotation: Floats
-    """(3, 3) humerus -> scapula, as it was given."""
+    """(3, 3) humerus -> scapula, as it was given; of several bones, the last one's."""
     solver: LinkedPlaneSolver
     """What solved it: the muscle and its side."""
+    posed: PosedBones | None = None
+    """Where the bones are, (k, 3, 4), and the wrenches on them (n, k, 6); None from a rotation."""
 
     def __post_init__(self) -> None:
         for array in (self.lengths, self.moment_vectors, self.wrap, self.rotation):
             array.setflags(False)  # type: ignore[call-arg]  # by name it takes twice as long
+        if self.posed is not None:
+            self.posed.keep_as_is()
 
     @property
     def total_length(self) -> float:
@@ -120,7 +85,10 @@ class MuscleState(_Drawn):
             (..., 3) m, scapula frame of the solver's side.
 
         """
-        return self.solver.to_side(points @ self.rotation.T)
+        placed = points @ self.rotation.T
+        if self.posed is not None:
+            placed = placed + self.posed.poses[-1, :, 3]
+        return self.solver.to_side(placed)
 
     def paths(self, points: int = 16) -> list[Floats]:
         """Return each band's path as a polyline.
@@ -143,11 +111,11 @@ class MuscleState(_Drawn):
 
         """
         insertions, _, arcs = self.solver.draw_bands(self, points)
-        return _polylines(self.solver.origins, insertions, arcs, self.wrap)
+        return _polylines(self.origins, insertions, arcs, self.wrap)
 
 
 @dataclass(frozen=True, eq=False)
-class MuscleStates(_Drawn):
+class MuscleStates(Placed):
     """The muscle at m poses: the fields of MuscleState with a leading m, read-only.
 
     ``states[3]`` is a MuscleState; a slice, an array of indices, or of m booleans, gives
@@ -163,13 +131,17 @@ class MuscleStates(_Drawn):
     wrap: Bytes
     """(m, n) WrapState of each band."""
     rotation: Floats
-    """(m, 3, 3) humerus -> scapula, as they were given."""
+    """(m, 3, 3) humerus -> scapula, as they were given; of several bones, the last one's."""
     solver: LinkedPlaneSolver
     """What solved them: the muscle and its side."""
+    posed: PosedBones | None = None
+    """The same with a leading m as a MuscleState's; None from rotations alone."""
 
     def __post_init__(self) -> None:
         for array in (self.theta, self.lengths, self.moment_vectors, self.wrap, self.rotation):
             array.setflags(write=False)
+        if self.posed is not None:
+            self.posed.keep_as_is()
 
     @property
     def total_length(self) -> Floats:
@@ -196,10 +168,8 @@ class MuscleStates(_Drawn):
 
         """
         insertions, _, arcs = self.solver.draw_bands(self, points)
-        origins = self.solver.origins
-        return [
-            _polylines(origins, *pose) for pose in zip(insertions, arcs, self.wrap, strict=True)
-        ]
+        poses = zip(self.origins, insertions, arcs, self.wrap, strict=True)
+        return [_polylines(*pose) for pose in poses]
 
     def __len__(self) -> int:
         return len(self.theta)
@@ -222,6 +192,7 @@ class MuscleStates(_Drawn):
             self.wrap[i],
             self.rotation[i],
             self.solver,
+            self.posed and self.posed.choose(i),
         )
 
     def _chosen(self, index: Any) -> MuscleStates:
@@ -236,6 +207,7 @@ class MuscleStates(_Drawn):
             self.wrap[part],
             self.rotation[part],
             self.solver,
+            self.posed and self.posed.choose(part),
         )
 
     def __iter__(self) -> Iterator[MuscleState]:
@@ -243,7 +215,7 @@ class MuscleStates(_Drawn):
 
 
 @dataclass(frozen=True, eq=False)
-class Answer(_Result):
+class Answer(Result):
     """The muscle at three angles and speeds of a joint convention; its arrays are read-only."""
 
     state: MuscleState

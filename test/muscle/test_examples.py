@@ -29,7 +29,9 @@ def ways(muscle: BroadMuscle, count: int, steps: int) -> np.ndarray:
 
 
 def test_there_are_these() -> None:
-    assert set(bundled_models()) == {'deltoid', 'deltoid_ackland2008', *EXAMPLES}
+    assert set(bundled_models()) == {
+        'deltoid', 'deltoid_ackland2008', 'deltoid_girdle', *EXAMPLES
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize('name', EXAMPLES)

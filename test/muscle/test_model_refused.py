@@ -218,7 +218,7 @@ def test_a_binary_file_is_no_model(tmp_path: Path) -> None:
 def test_a_name_that_is_neither_bundled_nor_a_yaml_file_is_told_what_is(name: str) -> None:
     message = refusal(name)
     assert repr(name) in message
-    assert 'bundled model (deltoid, deltoid_ackland2008, example_humerus_spheres, ' in message
+    assert 'bundled model (deltoid, deltoid_ackland2008, deltoid_girdle, ' in message
 
 
 @pytest.mark.parametrize('key', ['first\nsecond', 3, None])

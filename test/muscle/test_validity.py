@@ -173,8 +173,8 @@ def test_a_muscle_made_anew_is_checked_as_one_that_is_changed() -> None:
         (lambda: Head('middle', (), 'c'), 'head middle: bands: a list of names expected'),
         (lambda: Head('middle', ('a', 'a'), 'a'), "head middle: bands: 'a' appears twice"),
         (
-            lambda: Landmark('tip', 'wing', (0.0, 0.0, 0.0)),
-            "landmark tip: bone: 'wing' given, one of scapula, humerus expected",
+            lambda: replace(DELTOID, landmarks=(Landmark('tip', 'wing', (0.0, 0.0, 0.0)),)),
+            "landmarks.tip.bone: 'wing' given, one of scapula, humerus expected",
         ),
         (
             lambda: Landmark('tip', 'scapula', (0.0, 0.0)),

@@ -23,7 +23,7 @@ POSE = (0.3, 0.8, -0.2)  # rad
 # parameter, wrong value, what the refusal says
 WRONG: list[tuple[str, Any, str]] = [
     ('muscle', 3, 'text expected'),
-    ('muscle', 'biceps', 'neither a bundled model (deltoid, deltoid_ackland2008, example_'),
+    ('muscle', 'biceps', 'neither a bundled model (deltoid, deltoid_ackland2008, deltoid_girdle, '),
     ('muscle', '', 'neither a bundled model'),
     ('muscle', ['biceps', 'triceps'], "'biceps' is neither a bundled model"),
     ('muscle', ['deltoid', 'deltoid'], 'different names expected'),

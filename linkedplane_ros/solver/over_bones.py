@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A muscle over several bones that move: its states at their poses (spec bones.md)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import LinkedPlaneError
+from ..joints.conventions import JointConvention, as_triple
+from ..joints.rotations import FAULTS, PROPER, matrix_rows, rotation_fault
+from ..joints.sides import mirror_axes, mirror_points
+from ..types import Floats
+from .batches import run_kernel
+from .kernels import NO_PLANE, SOLVED, solve_bone_poses
+from .poses import rotated_poses
+from .results import PosedBones
+from .states import Answer, MuscleStates
+
+if TYPE_CHECKING:
+    from .linked_plane_solver import LinkedPlaneSolver
+
+
+def solve_over_bones(solver: LinkedPlaneSolver, poses: Floats, index: str) -> MuscleStates:
+    """Return the states at the poses (m, k, 3, 4); `index` is what names one in messages."""
+    m, k = poses.shape[:2]
+    n = len(solver.muscle.band_names)
+    theta, lengths = np.empty(m), np.empty((m, n))
+    filled = np.empty((m, 2 * k, 3 * n))
+    wrap = np.empty((m, n), dtype=np.uint8)
+    given = solver.flat_bones, solver.neutral
+    j, fault, number = run_kernel(solve_bone_poses, given, poses, (theta, lengths, filled, wrap))
+    if fault != SOLVED:
+        where = 'bones' if fault == NO_PLANE else solver.bones[number]
+        reason = solver.explain_fault(fault, number)
+        raise LinkedPlaneError(f'{where}{index.format(j)}: {reason}')
+    moments, forces = np.moveaxis(filled.reshape(m, k, 2, n, 3), 2, 0)
+    if solver.side == 'left':
+        moments, forces = mirror_axes(moments), mirror_points(forces)
+    wrenches = np.concatenate((moments, forces), axis=-1).swapaxes(1, 2).copy()
+    vectors, rotations = wrenches[:, :, -1, :3].copy(), poses[:, -1, :, :3].copy()
+    posed = PosedBones(poses, wrenches)
+    return MuscleStates(theta, lengths, vectors, wrap, rotations, solver, posed)
+
+
+def solve_last_bone(solver: LinkedPlaneSolver, rotations: Floats, name: str) -> MuscleStates:
+    """Return the states at rotations (m, 3, 3) of the last bone, the others at rest."""
+    for j, rotation in enumerate(rotations.tolist()):
+        fault = rotation_fault(matrix_rows(rotation))
+        if fault != PROPER:
+            raise LinkedPlaneError(f'{name.format(j)}: {FAULTS[fault]}')
+    return solve_over_bones(solver, rotated_poses(rotations, len(solver.bones) - 1), '[{}]')
+
+
+def answer_by_steps(
+    solver: LinkedPlaneSolver,
+    convention: JointConvention,
+    angles: npt.ArrayLike,
+    speeds: npt.ArrayLike,
+) -> Answer:
+    """Return `LinkedPlaneSolver.answer` for a muscle that more than a ball joint moves."""
+    values, rates = as_triple('angles', angles, 'rad'), as_triple('speeds', speeds, 'rad/s')
+    rotation, axes = convention.rotation_and_axes(values, solver.side)
+    state = solver.solve(rotation)
+    arms = state.moment_vectors @ axes
+    return Answer(state, arms, -arms @ np.asarray(rates), axes)
