@@ -3,16 +3,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import reference
-from random_muscles import random_muscle_in_frames
+from random_muscles import DELTOID, random_muscle_in_frames, random_poses
 from reference import Array
 
+from linkedplane_ros import BroadMuscle
 from linkedplane_ros.joints.rotations import matrix_rows
 from linkedplane_ros.linked_planes.chain import Band, bands_at
 from linkedplane_ros.solver.linked_plane_solver import pack_broad_muscle
 
 FRAMES = ('moving', 'ground', 'humerus', 'mixed')
-CASES = [(seed, frame) for seed in range(3, 7) for frame in FRAMES]
+CASES = [
+    *((seed, frame) for seed in range(3, 7) for frame in FRAMES),
+    *((seed, 'deltoid') for seed in range(3)),
+]
 THETAS = (-2.9, -1.1, 0.2, 1.4, 2.6)
 
 
@@ -20,10 +27,23 @@ class Posed:
     """The bands of a muscle of one seed, its spheres in a frame, at a rotation."""
 
     def __init__(self, seed: int, frame: str) -> None:
-        self.muscle, rotations = random_muscle_in_frames(seed, frame)
+        if frame == 'deltoid':
+            self.muscle, rotations = DELTOID, random_poses(1, seed)
+        else:
+            self.muscle, rotations = random_muscle_in_frames(seed, frame)
         self.rotation = rotations[0]
-        flat = pack_broad_muscle(self.muscle)
-        self.bands: list[Band] = bands_at(flat, matrix_rows(self.rotation.tolist()))
+        self.bands = self.pose(self.muscle)
+
+    def pose(self, muscle: BroadMuscle) -> list[Band]:
+        """Return the bands of a muscle at this pose."""
+        return bands_at(pack_broad_muscle(muscle), matrix_rows(self.rotation.tolist()))
+
+    def count_from(self, turn: float) -> list[Band]:
+        """Return the bands with theta counted from a plane that is turned by an angle, rad."""
+        u, N = self.bands[0].u, self.muscle.reference_normal
+        across = reference.unit(N - (N @ u) * np.array(u))
+        turned = np.cos(turn) * across + np.sin(turn) * np.cross(u, across)
+        return self.pose(replace(self.muscle, reference_normal=turned))
 
     def literal(self, theta: Array | float) -> list[reference.BandPath]:
         return reference.chain(self.muscle, self.rotation, theta)

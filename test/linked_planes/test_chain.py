@@ -9,12 +9,18 @@ import numpy as np
 import pytest
 import reference
 from posed_muscle import CASES, THETAS, Posed
-from random_muscles import random_muscle_in_frames
+from random_muscles import deltoid_with_bands, random_muscle_in_frames
 from reference import Array
 
 from linkedplane_ros.joints.rotations import matrix_rows
 from linkedplane_ros.linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED
-from linkedplane_ros.linked_planes.chain import bands_at, energy, plane_at, state_at
+from linkedplane_ros.linked_planes.chain import (
+    bands_at,
+    energy,
+    moving_frame,
+    plane_at,
+    state_at,
+)
 from linkedplane_ros.linked_planes.path import band_path, depth_in_spheres, distance, halfway
 from linkedplane_ros.solver.linked_plane_solver import pack_broad_muscle
 
@@ -108,6 +114,33 @@ def test_the_chain_ends_before_a_band_that_has_no_line_no_plane_or_no_frame(faul
         origins[last] = HM if 'HM' in fault else SC + 2.0 * (HM - SC)
     flat = pack_broad_muscle(replace(muscle, origins=origins, insertions=insertions))
     assert len(bands_at(flat, matrix_rows(R.tolist()))) == last
+
+
+@pytest.mark.parametrize('case', range(10))
+def test_a_moving_frame_points_to_hm_and_has_sc_in_its_plane(case: int) -> None:
+    P, HM, SC = np.random.default_rng(case).normal(size=(3, 3))
+    x, y, z, lever, skew = moving_frame(tuple(P), tuple(HM), tuple(SC))
+    assert lever == pytest.approx(np.linalg.norm(HM - P), rel=1e-14)
+    np.testing.assert_allclose(lever * np.array(x), HM - P, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(np.cross(x, y), z, rtol=0.0, atol=1e-14)
+    along, aside = (SC - P) @ x, (SC - P) @ y
+    assert aside > 0.0
+    np.testing.assert_allclose(
+        P + along * np.array(x) + aside * np.array(y), SC, rtol=0.0, atol=1e-13
+    )
+    assert skew == pytest.approx(along / aside, rel=1e-12)
+
+
+def test_the_planes_of_a_long_chain_are_those_of_the_literal_method() -> None:
+    muscle = deltoid_with_bands(80)
+    R = Posed(0, 'deltoid').rotation
+    bands = bands_at(pack_broad_muscle(muscle), matrix_rows(R.tolist()))
+    assert len(bands) == 80
+    for theta in THETAS:
+        c, s = np.cos(theta), np.sin(theta)
+        for band, one in zip(bands, reference.chain(muscle, R, theta), strict=True):
+            normal = c * np.array(band.A) + s * np.array(band.B)
+            np.testing.assert_allclose(reference.unit(normal), one.normal, rtol=0.0, atol=1e-9)
 
 
 def polyline(posed: Posed, i: int, one: reference.BandPath) -> Array:

@@ -167,6 +167,19 @@ def test_every_search_is_as_good_as_a_scan(posed: Posed) -> None:
             assert held < 0 or posed.bands[held].section.kind == BESIDE
 
 
+@pytest.mark.parametrize('end', [np.pi - 0.004, -np.pi + 0.004])
+def test_the_least_length_is_found_wherever_theta_is_counted_from(posed: Posed, end: float) -> None:
+    # in the last of 360 steps round the circle, and in the first
+    for search in (search_circle, solve_theta):
+        theta, held = search(posed.bands, 0.3)
+        turned = posed.count_from(theta - end)
+        found, held_there = search(turned, wrapped_angle(0.3 - (theta - end)))
+        length = energy(posed.bands, theta, False, held)[0]
+        assert energy(turned, found, False, held_there)[0] == pytest.approx(length, abs=LEAST)
+        if held < 0 and length > sum(band.section.D for band in posed.bands) + LEAST:
+            assert abs(np.exp(1j * found) - np.exp(1j * end)) < 1e-6  # rad
+
+
 def test_pierced_bands_together_are_as_short_as_in_a_scan(posed: Posed) -> None:
     if not of_kind(posed, PIERCED) or not turn_evenly(posed.bands):
         return
