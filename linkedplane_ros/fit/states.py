@@ -40,6 +40,7 @@ class FitStates:
 
 def sphere_array(muscle: BroadMuscle) -> Floats:
     """Return the interference spheres of a muscle (k, 4): centres and radii, m, ground frame."""
+    muscle.require_ball_joint('a fit')
     return np.column_stack((muscle.interference_centres, muscle.interference_radii))
 
 

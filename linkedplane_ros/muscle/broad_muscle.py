@@ -378,6 +378,27 @@ class BroadMuscle:
         """Whether only the last bone's insertions, and HM, move where that bone alone does."""
         return self.bones.have_ball_joint(self.sphere_frames)
 
+    def require_ball_joint(self, what: str) -> None:
+        """Refuse the muscle for something that knows only the bones of one ball joint.
+
+        Parameters
+        ----------
+        what
+            That something, for the message.
+
+        Raises
+        ------
+        ModelError
+            Unless only insertions, HM and obstacle spheres are on the last bone.
+
+        """
+        joint = self.bones.joint
+        if not self.has_ball_joint or joint in self.bones_of_interference:
+            raise ModelError(
+                f'{self.name}: {what} takes a muscle of one ball joint, which has all insertions '
+                f'and HM on {joint}, and no origin, SC, N or interference sphere there'
+            )
+
     def bands_by_sphere(self) -> dict[int, list[int]]:
         """Return which bands share an obstacle sphere.
 

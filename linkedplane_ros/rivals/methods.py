@@ -180,6 +180,7 @@ def methods(muscle: BroadMuscle) -> list[Method]:
 
     Those round the humeral head are left out for a muscle whose file names no such bone sphere.
     """
+    muscle.require_ball_joint('a comparison with rivals')
     solver = LinkedPlaneSolver(muscle)
     bands = neutral_bands(solver, solver.solve(np.eye(3)))
     found = [Method(LINKED, "each band's own, moving (the model file)", solver)]

@@ -38,8 +38,8 @@ def sphere_lines(muscle: BroadMuscle) -> Iterator[str]:
     """Yield what the obstacle spheres move with, and how many there are."""
     places = {
         'moving': "in their bands' moving frames",
-        'ground': 'on the scapula',
-        'humerus': 'on the humerus',
+        'ground': f'on the {muscle.bones.ground}',
+        **{bone: f'on the {bone}' for bone in muscle.bones.names[1:]},
     }
     shared = muscle.bands_by_sphere()
     for frame, place in places.items():
@@ -54,7 +54,10 @@ def sphere_lines(muscle: BroadMuscle) -> Iterator[str]:
 def band_lines(muscle: BroadMuscle) -> Iterator[str]:
     """Yield a table: each band's ends, sphere and length with the arm at the side."""
     state = LinkedPlaneSolver(muscle).solve(np.eye(3))
-    yield (f'{"band":<14}{"head":<12}{"origin (scapula)":>24}{"insertion (humerus)":>24}'
+    n = len(muscle.band_names)
+    bones = [muscle.bones.of_bands(ends, n) for ends in ('origin', 'insertion')]
+    on = [f' ({each[0]})' if len(set(each)) == 1 else '' for each in bones]
+    yield (f'{"band":<14}{"head":<12}{f"origin{on[0]}":>24}{f"insertion{on[1]}":>24}'
            f'{"radius":>8}{"phi":>8}{"length":>8}  wrap')  # fmt: skip
     for i, band in enumerate(muscle.band_names):
         origin, insertion = (
@@ -65,8 +68,20 @@ def band_lines(muscle: BroadMuscle) -> Iterator[str]:
         yield (f'{band:<14}{muscle.find_head(band):<12}{origin:>24}{insertion:>24}'
                f'{1e3 * muscle.sphere_radii[i]:8.1f}{phi:>8}{1e3 * state.lengths[i]:8.1f}'
                f'  {WrapState(state.wrap[i]).name.lower()}')  # fmt: skip
+    yield from bone_lines(muscle)
     yield ''
     yield f'arm at the side: theta {state.theta:.6f} rad, total {1e3 * state.total_length:.3f} mm'
+
+
+def bone_lines(muscle: BroadMuscle) -> Iterator[str]:
+    """Yield which bands arise and end on which bone, where there is a choice."""
+    for ends, verb in ('origin', 'arise from'), ('insertion', 'end on'):
+        bones = muscle.bones.of_bands(ends, len(muscle.band_names))
+        for bone in muscle.bones.names if len(set(bones)) > 1 else ():
+            pairs = zip(muscle.band_names, bones, strict=True)
+            bands = [band for band, each in pairs if each == bone]
+            if bands:
+                yield f'{verb} the {bone}: {", ".join(bands)}'
 
 
 def warning_lines(muscle: BroadMuscle) -> Iterator[str]:

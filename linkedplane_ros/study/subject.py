@@ -53,6 +53,7 @@ class Subject:
             If a file cannot be used; the message names it and the reason.
         """
         muscle = BroadMuscle.load(model)
+        muscle.require_ball_joint('a study')
         if spheres is not None:
             muscle = add_spheres(muscle, spheres)
         return Subject(model, muscle, scale, None if spheres is None else str(spheres))
