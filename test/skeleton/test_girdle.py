@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import thoracoscapular as tsm
+from girdle_recordings import RECORDINGS, girdle_poses
+from optional import requires
 from random_urdfs import joint, link, robot
 
 from linkedplane_ros import JOINT_CONVENTIONS, Skeleton
@@ -87,6 +89,27 @@ def test_angles_found_from_its_poses_reproduce_them(
     for bone, (R, t) in golden.items():
         np.testing.assert_allclose(pose[bone][0], R, atol=1e-8)  # the file's nine digits
         np.testing.assert_allclose(pose[bone][1], t, atol=3e-9)  # m: both files nine
+
+
+@requires('rosbags', 'scipy')
+@pytest.mark.parametrize('recording', RECORDINGS)
+def test_angles_found_from_recorded_poses_reproduce_how_another_subject_s_bones_turn(
+    girdle: Skeleton, against_thorax: Skeleton, shared: Path, recording: str
+) -> None:
+    poses = girdle_poses(shared / 'recordings' / recording)
+    frames = range(0, len(poses['humerus'][0]), 10)
+    q = np.array([
+        angles_from_poses({bone: (R[i], t[i]) for bone, (R, t) in poses.items()}) for i in frames
+    ])  # fmt: skip
+    lower, upper = np.array(girdle.limits).T
+    assert (lower < q).all()
+    assert (q < upper).all()
+    found = against_thorax.pose_batch(q)
+    for bone, (R, t) in poses.items():
+        np.testing.assert_allclose(found[bone][0], R[::10], atol=1e-11)  # R^T R of quaternions
+        off = 1e3 * np.linalg.norm(found[bone][1] - t[::10], axis=1)  # mm: a subject's own size
+        assert off.max() < (6.0 if bone == 'clavicle' else 28.0)
+        assert np.ptp(off) < 2.0
 
 
 def test_hinges_about_the_model_s_axes_are_its_shoulder_and_clavicle(

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from girdle_recordings import RECORDINGS, girdle_poses
 from optional import requires
 from reference import Array
 from scipy.optimize import minimize_scalar
@@ -182,16 +183,16 @@ def test_what_a_rhythm_is_worth_on_real_motion(
     none, third = (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1 / 3, 1.0)
     rhythm = RHYTHMS.get(name) or LinearRhythm(name, '', '', (0.0, 3.0), '', (none, third, none))
     poses = girdle_poses(shared / 'recordings' / recording)
-    found = errors(rhythm, {bone: rotations[::4] for bone, rotations in poses.items()})
+    found = errors(rhythm, {bone: R[::4] for bone, (R, _) in poses.items()})
     assert found == pytest.approx(worth, abs=0.0501)
 
 
 @requires('rosbags')
 @pytest.mark.parametrize('rhythm', RHYTHMS.values(), ids=list(RHYTHMS))
 def test_what_a_rhythm_says_of_itself_is_so(shared: Path, rhythm: Rhythm) -> None:
-    recordings = 'girdle_abduction_mcap', 'girdle_shrug_mcap'
-    found = [errors(rhythm, girdle_poses(shared / 'recordings' / each)) for each in recordings]
-    for turn, mean, worst in found:
+    for recording in RECORDINGS:
+        poses = girdle_poses(shared / 'recordings' / recording)
+        turn, mean, worst = errors(rhythm, {bone: R for bone, (R, _) in poses.items()})
         assert f'{turn:.1f} deg, {mean:.1f} mm, {worst:.1f} mm' in rhythm.tested
 
 
@@ -205,21 +206,6 @@ def errors(rhythm: Rhythm, poses: dict[str, Array]) -> tuple[float, float, float
     off = np.degrees(Rotation.from_matrix(S.transpose(0, 2, 1) @ predicted).magnitude())
     in_length = 1e3 * np.abs(made.lengths - true.lengths)
     return off.mean(), in_length.mean(), in_length.max()
-
-
-def girdle_poses(bag: Path) -> dict[str, Array]:
-    """Return the rotations (m, 3, 3) of the bones against the thorax in a recording."""
-    from rosbags.highlevel import AnyReader
-
-    found: dict[str, list[list[float]]] = {}
-    with AnyReader([bag]) as reader:
-        topics = [each for each in reader.connections if each.topic == '/tf']
-        for connection, _, raw in reader.messages(topics):
-            for each in reader.deserialize(raw, connection.msgtype).transforms:  # type: ignore[attr-defined]
-                assert each.header.frame_id == 'thorax'
-                turn = each.transform.rotation
-                found.setdefault(each.child_frame_id, []).append([turn.x, turn.y, turn.z, turn.w])
-    return {bone: Rotation.from_quat(turns).as_matrix() for bone, turns in found.items()}
 
 
 @pytest.mark.parametrize('given', ['inman', '0', '-2', 'nan', 'inf', ''])
