@@ -11,6 +11,7 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import JOINT_CONVENTIONS, LinkedPlaneError
+from linkedplane_ros.joints.conventions import angle_about, principal_angle
 
 EXACT = 1e-12  # entries of a rotation matrix: rounding of a few products
 ELEVATING = ('isb_yxy', 'opensim_tsm', 'opensim_mobl', 'rep155')
@@ -131,10 +132,40 @@ def test_an_unknown_side_is_refused() -> None:
 
 @pytest.mark.parametrize(
     'angles',
-    [[[0.1, 0.2]], [0.1, 0.2, 0.3], [[0.1, 0.2, math.nan]], [['a', 'b', 'c']], [[0.1], [0.2, 0.3]]],
-    ids=['two', 'not in rows', 'nan', 'text', 'ragged'],
-)
+    [
+        [[0.1, 0.2]],
+        [[0.1, 0.2, 0.3, 0.4]],
+        [0.1, 0.2, 0.3],
+        [[0.1, 0.2, math.nan]],
+        [['a', 'b', 'c']],
+        [[0.1], [0.2, 0.3]],
+    ],
+    ids=['two', 'four', 'not in rows', 'nan', 'text', 'ragged'],
+)  # fmt: skip
 def test_what_are_no_triples_of_angles_is_refused_in_one_line(angles: Any) -> None:
     with pytest.raises(LinkedPlaneError, match=r'^angles') as refused:
         JOINT_CONVENTIONS['isb_yxy'].rotations_and_axes(angles)
     assert '\n' not in str(refused.value)
+
+
+def test_a_convention_whose_streams_are_not_against_the_scapula_cautions() -> None:
+    cautions = {name: JOINT_CONVENTIONS[name].caution for name in NAMES}
+    assert [name for name in NAMES if cautions[name]] == ['opensim_mobl', 'rep155']
+    for name, against in (('opensim_mobl', 'thorax'), ('rep155', 'torso')):
+        assert cautions[name].startswith(f'{name} streams usually measure the humerus against the ')
+        assert f'the {against};' in cautions[name]
+
+
+@pytest.mark.parametrize('angle', [-3.1, -1.0, -1e-9, 0.0, 0.5, 2.0, 3.1])
+def test_the_angle_about_an_axis_is_that_of_the_turn_whatever_lies_along_it(angle: float) -> None:
+    for axis, start, along in np.random.default_rng(4).normal(size=(20, 3, 3)):
+        axis = axis / np.linalg.norm(axis)
+        end = Rotation.from_rotvec(angle * axis).apply(start) + along[0] * axis
+        assert angle_about(axis, start, end) == pytest.approx(angle, abs=1e-12)
+
+
+@pytest.mark.parametrize('turns', [-2, -1, 0, 1, 3])
+@pytest.mark.parametrize('angle', [-3.0, -0.5, 0.0, 1.0, 3.0])
+def test_a_principal_angle_is_the_same_one_within_half_a_turn(turns: int, angle: float) -> None:
+    assert principal_angle(angle + 2.0 * np.pi * turns) == pytest.approx(angle, abs=1e-14)
+    assert principal_angle(-np.pi) == principal_angle(np.pi) == np.pi

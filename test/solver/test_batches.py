@@ -65,7 +65,8 @@ def test_every_pose_is_answered_in_its_place(
         assert max(sizes) - min(sizes) <= 1
         assert (threading.get_ident() in kernel.threads) == (parts == 1)
     else:
-        assert all(kind is list and stop <= BLOCK for _, stop, kind in kernel.calls)
+        assert all(kind is list and start == 0 for start, _, kind in kernel.calls)
+        assert max((stop for _, stop, _ in kernel.calls), default=0) == min(m, BLOCK)
         assert len(kernel.calls) == -(-m // BLOCK)
 
 
