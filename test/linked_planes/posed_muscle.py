@@ -13,7 +13,7 @@ from reference import Array
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.joints.rotations import matrix_rows
 from linkedplane_ros.linked_planes.chain import Band, bands_at
-from linkedplane_ros.solver.linked_plane_solver import pack_broad_muscle
+from linkedplane_ros.solver.packing import pack_broad_muscle
 
 FRAMES = ('moving', 'ground', 'humerus', 'mixed')
 CASES = [
@@ -21,6 +21,12 @@ CASES = [
     *((seed, 'deltoid') for seed in range(3)),
 ]
 THETAS = (-2.9, -1.1, 0.2, 1.4, 2.6)
+
+
+def posed_bands(muscle: BroadMuscle, rotation: Array) -> list[Band]:
+    """Return the bands of a muscle over a ball joint at a rotation (3, 3)."""
+    bones = muscle.bones.number_on_ball_joint(muscle.sphere_frames)
+    return bands_at(pack_broad_muscle(muscle, bones), matrix_rows(rotation.tolist()))
 
 
 class Posed:
@@ -36,7 +42,7 @@ class Posed:
 
     def pose(self, muscle: BroadMuscle) -> list[Band]:
         """Return the bands of a muscle at this pose."""
-        return bands_at(pack_broad_muscle(muscle), matrix_rows(self.rotation.tolist()))
+        return posed_bands(muscle, self.rotation)
 
     def count_from(self, turn: float) -> list[Band]:
         """Return the bands with theta counted from a plane that is turned by an angle, rad."""

@@ -8,21 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import reference
-from posed_muscle import CASES, THETAS, Posed
+from posed_muscle import CASES, THETAS, Posed, posed_bands
 from random_muscles import deltoid_with_bands, random_muscle_in_frames
 from reference import Array
 
-from linkedplane_ros.joints.rotations import matrix_rows
 from linkedplane_ros.linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED
 from linkedplane_ros.linked_planes.chain import (
-    bands_at,
     energy,
     moving_frame,
     plane_at,
     state_at,
 )
 from linkedplane_ros.linked_planes.path import band_path, depth_in_spheres, distance, halfway
-from linkedplane_ros.solver.linked_plane_solver import pack_broad_muscle
 
 SAME = 1e-11  # m: the rounding of a length, with room for acos near 1
 
@@ -112,8 +109,7 @@ def test_the_chain_ends_before_a_band_that_has_no_line_no_plane_or_no_frame(faul
         insertions[0] = R.T @ (origins[0] + 0.1 * muscle.reference_normal)
     else:
         origins[last] = HM if 'HM' in fault else SC + 2.0 * (HM - SC)
-    flat = pack_broad_muscle(replace(muscle, origins=origins, insertions=insertions))
-    assert len(bands_at(flat, matrix_rows(R.tolist()))) == last
+    assert len(posed_bands(replace(muscle, origins=origins, insertions=insertions), R)) == last
 
 
 @pytest.mark.parametrize('case', range(10))
@@ -134,7 +130,7 @@ def test_a_moving_frame_points_to_hm_and_has_sc_in_its_plane(case: int) -> None:
 def test_the_planes_of_a_long_chain_are_those_of_the_literal_method() -> None:
     muscle = deltoid_with_bands(80)
     R = Posed(0, 'deltoid').rotation
-    bands = bands_at(pack_broad_muscle(muscle), matrix_rows(R.tolist()))
+    bands = posed_bands(muscle, R)
     assert len(bands) == 80
     for theta in THETAS:
         c, s = np.cos(theta), np.sin(theta)
