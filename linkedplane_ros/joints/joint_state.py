@@ -10,13 +10,35 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from ..errors import LinkedPlaneError, describe_value
 from ..types import Triple
 
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
 FASTEST = 1e9  # rad/s: beyond, no velocity of a joint; answers to it would lose their last digits
-REASONS = ('sizes', 'no_joint', 'not_finite', 'degrees', 'incomplete', 'no_plane')
+REASONS = (
+    'sizes',
+    'no_joint',
+    'not_finite',
+    'degrees',
+    'incomplete',
+    'stale',
+    'no_plane',
+    'answer_not_finite',
+)
+LONG_AGO = -math.inf  # s
+
+
+class Stamp(Protocol):
+    """A time as messages have it."""
+
+    sec: int
+    nanosec: int
+
+
+Seen = tuple[Stamp | None, float]
+"""When a joint's value was measured, by its message's stamp, and when it came, s."""
 
 
 class Rejected(LinkedPlaneError):
@@ -100,11 +122,19 @@ class JointMemory:
     """rad, by the joint's name."""
     velocities: dict[str, float] = field(default_factory=dict)
     """rad/s, by the joint's name."""
+    timeout: float = 0.0
+    """How much older than a message the other joints may be, s; 0: any time."""
+    _seen: dict[str, Seen] = field(default_factory=dict)
     _names: list[str] | None = None
     _places: list[tuple[str, int]] = field(default_factory=list)
 
     def take_message(
-        self, names: Sequence[str], positions: Sequence[float], velocities: Sequence[float]
+        self,
+        names: Sequence[str],
+        positions: Sequence[float],
+        velocities: Sequence[float],
+        stamp: Stamp | None = None,
+        arrival: float = 0.0,
     ) -> tuple[Triple, Triple | None, str]:
         """Take one message in, and return the joints as they are then.
 
@@ -116,6 +146,10 @@ class JointMemory:
             (k) rad
         velocities
             (k) rad/s, or none at all.
+        stamp
+            Of the message; None or 0: it has none.
+        arrival
+            When it came, s; on any clock, the same for all messages.
 
         Returns
         -------
@@ -130,7 +164,7 @@ class JointMemory:
         ------
         Rejected
             Where the message cannot be used, which then changes nothing; and where not all three
-            joints have been seen so far ('incomplete').
+            joints have been seen so far ('incomplete'), or not within the timeout ('stale').
 
         """
         if len(names) != len(positions):
@@ -144,6 +178,8 @@ class JointMemory:
             raise _angle_fault(wrong[0], fresh[wrong[0]])
         rates, warning = _usable_velocities(len(names), velocities, places)
         self.positions.update(fresh)
+        seen = dict.fromkeys(fresh, (stamp, arrival))
+        self._seen = seen if len(seen) == 3 else self._seen | seen
         if len(rates) < len(fresh):  # a velocity is no older than the position it came with
             for name in fresh:
                 self.velocities.pop(name, None)
@@ -152,11 +188,39 @@ class JointMemory:
         if len(known) < 3:
             unseen = next(name for name in joints.names if name not in known)
             raise Rejected('incomplete', f'waiting for joint {unseen!r}, not seen so far')
+        if self.timeout and len(fresh) < 3:
+            self._check_ages(stamp, arrival)
         (a, b, c), (i, j, k), (x, y, z) = joints.names, joints.signs, joints.offsets
         angles = i * known[a] + x, j * known[b] + y, k * known[c] + z
         if len(speeds) < 3:
             return angles, None, warning
         return angles, (i * speeds[a], j * speeds[b], k * speeds[c]), warning
+
+    def _check_ages(self, stamp: Stamp | None, arrival: float) -> None:
+        """Reject a message unless all joints are of its time, by their stamps and arrivals.
+
+        A joint from after the message is one from before time went back: it is never used again.
+        """
+        now = read_seconds(stamp)
+        for name in self.joints.names:
+            seen_stamp, seen_arrival = self._seen[name]
+            then, by_arrival = read_seconds(seen_stamp), arrival - seen_arrival
+            by_stamp = now - then if now and then else 0.0
+            if min(by_stamp, by_arrival) < -self.timeout:
+                self._seen[name] = None, LONG_AGO
+                by_arrival = math.inf
+            age = max(by_stamp, by_arrival)
+            if age > self.timeout:
+                since = 'since time went back' if age == math.inf else f'for {age:.3g} s'
+                raise Rejected(
+                    'stale',
+                    f'joint {name!r} has not come {since}; '
+                    f'{self.timeout:g} s at most expected (joint_timeout)',
+                )
+
+    def find_ages(self, now: float) -> dict[str, float]:
+        """Return how long ago each joint seen so far came, s; `now` on the clock of arrivals."""
+        return {name: now - self._seen[name][1] for name in self.joints.names if name in self._seen}
 
     def _find_places(self, names: Sequence[str]) -> list[tuple[str, int]]:
         """Return the joints' places among the names; of a name that appears twice the last."""
@@ -170,6 +234,11 @@ class JointMemory:
                 raise Rejected('no_joint', explain_missing(wanted, names))
             self._names, self._places = list(names), places
         return self._places
+
+
+def read_seconds(stamp: Stamp | None) -> float:
+    """Return a stamp in s; 0 for none."""
+    return 0.0 if stamp is None else stamp.sec + 1e-9 * stamp.nanosec
 
 
 def _angle_fault(name: str, q: float) -> Rejected:

@@ -36,13 +36,10 @@ def find_in_range(rotations: Floats, ranges: Sequence[Interval]) -> Bools:
     flexion = np.arctan2(-R[:, 1, 2], R[:, 2, 2])
     abduction = np.arctan2(-R[:, 0, 2], cosine)
     rotation = np.arctan2(-R[:, 0, 1], R[:, 0, 0])
-    within = np.zeros(len(R), dtype=bool)
-    for angles in (
-        (flexion, abduction, rotation),
-        (flexion + np.pi, np.pi - abduction, rotation + np.pi),
-    ):
-        pairs = zip(angles, ranges, strict=True)
-        within |= np.all([lies_between(angle, *limits) for angle, limits in pairs], axis=0)
+    within = lie_between((flexion, abduction, rotation), ranges)
+    if within.all() and (cosine >= SINGULAR).all():  # the rest takes most of the time
+        return within
+    within |= lie_between((flexion + np.pi, np.pi - abduction, rotation + np.pi), ranges)
     up = np.sign(abduction)
     (low_f, high_f), limits, (low_r, high_r) = ranges
     turn = np.arctan2(R[:, 1, 0], R[:, 1, 1])  # rotation - flexion; with the abduction down, + it
@@ -50,6 +47,12 @@ def find_in_range(rotations: Floats, ranges: Sequence[Interval]) -> Bools:
     most = np.where(up > 0.0, high_r - low_f, high_r + high_f)
     upright = lies_between(up * np.pi / 2.0, *limits) & lies_between(turn, least, most)
     return np.asarray(np.where(cosine < SINGULAR, upright, within), dtype=bool)
+
+
+def lie_between(angles: Sequence[Floats], ranges: Sequence[Interval]) -> Bools:
+    """Return which of three angles, (m,) each, lie in their intervals all at once."""
+    pairs = zip(angles, ranges, strict=True)
+    return np.asarray(np.all([lies_between(a, *limits) for a, limits in pairs], axis=0), dtype=bool)
 
 
 def lies_between(angles: Floats, low: Floats | float, high: Floats | float) -> Bools:

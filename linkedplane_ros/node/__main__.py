@@ -31,7 +31,7 @@ def main() -> None:
     if own:
         build_parser().parse_args(own)
     prepare()
-    from .muscle_state_publisher import main
+    from .run import main
 
     with mistakes_in_one_line(PROGRAM):
         main(ros)

@@ -8,6 +8,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from .parameters import SPECS, ParameterSpec
+from .rehearsal import rehearse
 from .settings import Settings, list_muscles
 
 
@@ -34,6 +35,7 @@ def declare_parameters(node: Node) -> Settings:
             node.set_parameters([Parameter(spec.name, Parameter.Type.STRING_ARRAY, value)])
         values[spec.name] = value
     settings = Settings.from_values(values, may_fail=list_muscles(values['muscle']))
+    rehearse(settings)
     for spec in SPECS:
         node.set_descriptor(spec.name, describe(spec))
     return settings

@@ -16,6 +16,9 @@ from typing import Any
 import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.exceptions import InvalidHandle
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
@@ -36,6 +39,7 @@ RELIABLE_INPUT = [
     '-p',
     'qos_overrides./joint_states.subscription.reliability:=reliable',
 ]
+TERMINATED = 143  # exit status
 ROWS_EVERY = 0.5  # s of the recording between rows of the table
 
 
@@ -140,7 +144,10 @@ def sample_folder() -> Path:
 
 
 def main(ros_arguments: Sequence[str] = ()) -> int:
-    """Run the demonstration; return 0 if every joint state was answered on every topic."""
+    """Run the demonstration; return 0 if every joint state was answered on every topic.
+
+    SIGTERM, or the end of the terminal, ends it with 143.
+    """
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     os.environ.setdefault('ROS_DOMAIN_ID', str(os.getpid() % 100 + 1))
     recording = Recording.from_bag(sample_folder() / 'arm_raise')
@@ -178,6 +185,10 @@ def main(ros_arguments: Sequence[str] = ()) -> int:
         )
         done = spin_until(listener, lambda: all_answered(listener, recording.count), node, PATIENCE)
         return print_summary(listener, recording.count) if done else print_summary(listener, -1)
+    except (ExternalShutdownException, RCLError, InvalidHandle):
+        if rclpy.ok():  # otherwise a signal came
+            raise
+        return TERMINATED
     finally:
         for process in (node, player):
             if process is not None:

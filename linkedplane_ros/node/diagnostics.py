@@ -5,17 +5,20 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
+from ..errors import describe_value
 from ..joints.joint_state import REASONS
+from ..solver.moment_bounds import REACH_FACTOR
 from ..solver.states import MuscleState, WrapState
 
 TIMED = 2000  # callbacks that the timing figures look back on
-STALE_AFTER = 3.0  # s without input
+STALE_AFTER = 3.0  # s without input, or without one of the joints
+OUTSIDE_SHARE = 0.1  # of the last second's answers: less is a moment's excursion
 
 
 @dataclass
@@ -25,6 +28,10 @@ class Tally:
     received: int = 0
     answered: int = 0
     near_singular: int = 0
+    outside: int = 0
+    """Answers at poses outside the model's range of motion."""
+    beyond: int = 0
+    """Answers with a moment arm beyond its bound."""
     rejected: Counter[str] = field(default_factory=Counter)
     last_rejection: str = ''
     others: int = 0
@@ -35,15 +42,17 @@ class Tally:
     callback_times: deque[float] = field(default_factory=lambda: deque(maxlen=TIMED))
     last_arrival: float | None = None
     last_state: MuscleState | None = None
-    rejected_before: int = 0
-    near_singular_before: int = 0
+    ages: Mapping[str, float] = field(default_factory=dict)
+    """s, of each joint's value."""
+    oldest: float = STALE_AFTER
+    """s: an older value of a joint is worth a warning."""
+    same_name: str = ''
+    """A line on other nodes of this node's name."""
+    _before: Counter[str] = field(default_factory=Counter)
 
     def assess(self, now: float) -> tuple[bytes, str]:
         """Return the level and its line: rejected input warns, no input is stale; `now` in s."""
-        rejected = sum(self.rejected.values())
-        fresh, self.rejected_before = rejected - self.rejected_before, rejected
-        near = self.near_singular - self.near_singular_before
-        self.near_singular_before = self.near_singular
+        new = self._count_new()
         if self.last_arrival is None and self.others:
             return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_other}'
         if self.last_arrival is None:
@@ -54,15 +63,49 @@ class Tally:
         age = now - self.last_arrival
         if age > STALE_AFTER:
             return DiagnosticStatus.STALE, f'no joint states for {age:.1f} s'
-        if fresh:
-            line = f'{fresh} rejected in the last second: {self.last_rejection}'
-            return DiagnosticStatus.WARN, line
-        if self.incompatible_peers:
-            return DiagnosticStatus.WARN, self.incompatible_peers[0]
-        if near:
+        if warnings := '; '.join(self._find_warnings(new)):
+            return DiagnosticStatus.WARN, warnings
+        if near := new['near']:
             line = f'answering; {near} near the singularity, where two moment arms are nearly equal'
             return DiagnosticStatus.OK, f'{line}: use the moment vectors'
         return DiagnosticStatus.OK, 'answering'
+
+    def _count_new(self) -> Counter[str]:
+        """Return how many there were of each kind since the last time."""
+        total = Counter(
+            rejected=sum(self.rejected.values()),
+            answered=self.answered,
+            near=self.near_singular,
+            outside=self.outside,
+            beyond=self.beyond,
+        )
+        new, self._before = total - self._before, total
+        return new
+
+    def _find_warnings(self, new: Counter[str]) -> Iterator[str]:
+        """Yield what is odd, the worst first."""
+        if new['rejected']:
+            yield f'{new["rejected"]} rejected in the last second: {self.last_rejection}'
+        if self.same_name:
+            yield self.same_name
+        if self.incompatible_peers:
+            yield self.incompatible_peers[0]
+        old = [name for name, age in self.ages.items() if age > self.oldest]
+        if old:
+            yield (
+                f'answering with joint {describe_value(old[0])} as it was '
+                f'{self.ages[old[0]]:.1f} s ago; joint_timeout stops that'
+            )
+        if new['beyond']:
+            yield (
+                f'{new["beyond"]} with a moment arm of more than {REACH_FACTOR:g} times the '
+                'distance of the insertion: a small error of the pose changes it a lot'
+            )
+        if new['outside'] > OUTSIDE_SHARE * new['answered']:
+            yield (
+                f'{new["outside"]} of {new["answered"]} poses outside the range of motion that the '
+                'model is for'
+            )
 
 
 def summarise_times(times: deque[float]) -> dict[str, str]:
@@ -101,6 +144,8 @@ def build_status(
     values['messages of other joints'] = str(tally.others)
     values['peers that do not fit'] = str(len(tally.incompatible_peers))
     values['answers near the singularity'] = str(tally.near_singular)
+    values['poses outside the range of motion'] = str(tally.outside)
+    values['answers with a moment arm beyond its bound'] = str(tally.beyond)
     for reason in REASONS:
         values[f'rejected: {reason}'] = str(tally.rejected[reason])
     for kind, times in (('solve', tally.solve_times), ('callback', tally.callback_times)):
@@ -108,6 +153,8 @@ def build_status(
             values[f'{kind} time {figure} (ms)'] = text
     age = 'none' if tally.last_arrival is None else f'{now - tally.last_arrival:.3f}'
     values['input age (s)'] = age
+    for joint, seconds in tally.ages.items():
+        values[f'age of joint {joint} (s)'] = f'{seconds:.3f}'
     if tally.last_state is not None:
         values['theta (rad)'] = f'{tally.last_state.theta:.6f}'
         for wrap in WrapState:

@@ -61,7 +61,7 @@ def prepare() -> None:
     if not any((folder / f'lib{MIDDLEWARE}.so').exists() for folder in folders):
         raise SystemExit(f'{MIDDLEWARE} is not installed: {advise_install(MIDDLEWARE)}')
     if not is_log_folder_writable():
-        os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
+        use_temporary_log_folder()
     restart_python(folders)
 
 
@@ -88,6 +88,17 @@ def is_log_folder_writable() -> bool:
     except OSError:
         return False
     return os.access(folder, os.W_OK | os.X_OK)
+
+
+def use_temporary_log_folder() -> None:
+    """Let ROS log into a new folder; SystemExit with one line if there can be none."""
+    try:
+        os.environ['ROS_LOG_DIR'] = tempfile.mkdtemp(prefix='ros_log_')
+    except OSError as error:
+        raise SystemExit(
+            f'no folder for the log of ROS can be written ({error.strerror or error}): set '
+            'ROS_LOG_DIR to one, or TMPDIR'
+        ) from None
 
 
 def restart_python(folders: list[Path]) -> None:

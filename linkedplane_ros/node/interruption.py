@@ -10,12 +10,20 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import current_thread, main_thread
 from types import FrameType
 
 from rclpy.signals import install_signal_handlers, uninstall_signal_handlers
 
 ENDING = (signal.SIGINT, signal.SIGTERM)
 RETRY = 0.2  # s
+
+
+def end_on_hangup() -> None:
+    """Let the end of the terminal end this process as SIGTERM does, unless nohup ignores it."""
+    in_main = current_thread() is main_thread()
+    if in_main and signal.getsignal(signal.SIGHUP) == signal.SIG_DFL:
+        signal.signal(signal.SIGHUP, lambda *_: signal.raise_signal(signal.SIGTERM))
 
 
 @contextmanager
@@ -31,7 +39,7 @@ def interruptible() -> Iterator[None]:
     def interrupt(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
         interrupted = True
-        for each in ENDING:  # Ctrl-C reaches a launched node twice
+        for each in (*ENDING, signal.SIGHUP):  # Ctrl-C reaches a launched node twice
             signal.signal(each, signal.SIG_IGN)
         if not left:
             signal.setitimer(signal.ITIMER_REAL, RETRY)
@@ -42,7 +50,9 @@ def interruptible() -> Iterator[None]:
             report(dropped)
 
     uninstall_signal_handlers()
-    before = {each: signal.signal(each, interrupt) for each in (*ENDING, signal.SIGALRM)}
+    hangup = () if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN else (signal.SIGHUP,)
+    taken = (*ENDING, *hangup, signal.SIGALRM)
+    before = {each: signal.signal(each, interrupt) for each in taken}
     report, sys.unraisablehook = sys.unraisablehook, report_dropped
     try:
         yield

@@ -86,8 +86,14 @@ class Answers:
         states = topics['band_states']
         states.header.stamp = stamp
         states.position = lengths
-        states.velocity = array('d', b'' if lengthening is None else lengthening.tobytes())
+        speeds = array('d', b'' if lengthening is None else lengthening.tobytes())
+        states.velocity = speeds
         arm_states = topics['moment_arm_states']
         arm_states.header.stamp = stamp
         arm_states.position = moment_arms
+        self._numbers = lengths, moment_arms, speeds
         return topics
+
+    def add_up(self) -> float:
+        """Return the sum of all lengths, arms and speeds of the newest messages."""
+        return sum(map(sum, self._numbers))

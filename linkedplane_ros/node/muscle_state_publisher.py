@@ -6,36 +6,32 @@ A JointState becomes three angles in `joints.joint_state`; `outputs` answers the
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Sequence
 from threading import Timer
 from time import perf_counter
 from typing import Any
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.exceptions import InvalidHandle
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value, escape_controls
 from ..joints.joint_state import JointMemory, OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
-from .interruption import interruptible
 from .outputs import THROTTLE, MuscleOutputs
 from .parameters import NAMES, is_list
-from .ros_arguments import argument_errors, initialise_ros, warn_of_unknown_parameters
-from .settings import Settings
+from .rehearsal import rehearse
+from .ros_arguments import warn_of_unknown_parameters
+from .settings import Settings, refusals
 from .topics import DIAGNOSTICS, JOINT_STATES, NODE_NAME
 
+USE_SIM_TIME = 'use_sim_time'
 OTHERS_ALONE = 2.0  # s: so long after the first message of other joints, ours should have come
 
 
@@ -47,6 +43,8 @@ class MuscleStatePublisher(Node):
         super().__init__(NODE_NAME, **kwargs)
         self._muscles: Sequence[MuscleOutputs] = ()
         self._peer_lines: list[str] = []
+        self._candidate: tuple[Settings, list[MuscleOutputs]] | None = None  # accepted, not applied
+        self._simulated = self._is_time_simulated()
         settings = self._declare_parameters()
         for text, fault in settings.left_out.items():
             self.get_logger().error(f'muscle {text} is left out: {fault}')
@@ -108,6 +106,7 @@ class MuscleStatePublisher(Node):
             self._other: OtherJoints | None = None  # the newest that has not been logged
             self._first_other: float | None = None  # s, when it came
             self._others_logged = False
+        self._memory.timeout = settings.joint_timeout
         self._settings, self._muscles = settings, muscles
         logger = self.get_logger()
         for muscle, solver in zip(muscles, settings.solvers, strict=True):
@@ -136,24 +135,43 @@ class MuscleStatePublisher(Node):
         if names.isdisjoint(NAMES):
             return SetParametersResult(successful=True)
         may_fail = () if 'muscle' in names else self._settings.left_out
+        self._drop_candidate()
         try:
-            settings = Settings.from_values(self._merge_values(changes), may_fail)
-            self._candidate = settings, self._open_outputs(settings)
+            with refusals('parameters'):
+                settings = Settings.from_values(self._merge_values(changes), may_fail)
+                rehearse(settings)
+                self._candidate = settings, self._open_outputs(settings)
         except LinkedPlaneError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+            return SetParametersResult(successful=False, reason=escape_controls(str(error)))
         return SetParametersResult(successful=True)
+
+    def _drop_candidate(self) -> None:
+        """Close what was opened for a batch that was refused after all, by another check."""
+        if self._candidate is not None:
+            for muscle in self._candidate[1]:
+                if muscle not in self._muscles:
+                    muscle.close()
+        self._candidate = None
 
     def _apply_changes(self, changes: list[Parameter]) -> None:
         """Use accepted parameters, and log each."""
         names = {change.name for change in changes}
-        if not names.isdisjoint(NAMES):
+        if self._candidate is not None and not names.isdisjoint(NAMES):
             self._apply(*self._candidate)
+            self._candidate = None
+        if USE_SIM_TIME in names:
+            self._simulated = self._is_time_simulated()
         for change in changes:
             if not change.name.startswith('qos_overrides.'):  # declared with a muscle's topics
                 value = list(change.value) if is_list(change.value) else change.value
-                self.get_logger().info(f'parameter {change.name}: {value!r} from now on')
+                self.get_logger().info(
+                    f'parameter {change.name}: {describe_value(value)} from now on'
+                )
         if 'joint_convention' in names:
             self._warn_of_convention()
+
+    def _is_time_simulated(self) -> bool:
+        return bool(self.get_parameter(USE_SIM_TIME).value)
 
     def _merge_values(self, changes: list[Parameter]) -> dict[str, Any]:
         values = {name: self.get_parameter(name).value for name in NAMES}
@@ -163,9 +181,14 @@ class MuscleStatePublisher(Node):
     def _answer(self, message: JointState) -> None:
         """Let each muscle answer one joint state, or log why it is rejected."""
         start = perf_counter()
+        stamp = message.header.stamp
         try:
             angles, speeds, warning = self._memory.take_message(
-                message.name, message.position, message.velocity
+                message.name,
+                message.position,
+                message.velocity,
+                stamp,
+                self._read_clock() if self._simulated else start,
             )
         except OtherJoints as error:
             self._other = error
@@ -184,9 +207,14 @@ class MuscleStatePublisher(Node):
         self._has_come = True
         if warning:
             self.get_logger().warning(warning, throttle_duration_sec=THROTTLE)
-        stamp = message.header.stamp
         for muscle in self._muscles:
             start = muscle.answer(stamp, angles, speeds, start)
+
+    def _read_clock(self) -> float:
+        """Return the time, s, on which joints grow old: the simulated one, if time is simulated."""
+        if self._simulated:
+            return 1e-9 * self.get_clock().now().nanoseconds
+        return perf_counter()
 
     def _log_others(self) -> None:
         """Log that other joints come: once beside ours, a warning where they come instead."""
@@ -205,39 +233,34 @@ class MuscleStatePublisher(Node):
     def _report(self) -> None:
         """Once a second: log what is odd, serve new viewers, publish the diagnostics."""
         self._log_others()
+        self._drop_candidate()
         of_input = qos.describe_incompatible_peers(self, self._input)
         lines = list(of_input)
         for muscle in self._muscles:
             lines += muscle.check_peers(of_input)[len(of_input) :]
+        same_name = self._describe_namesakes()
+        for muscle in self._muscles:
+            muscle.tally.same_name = same_name
+        lines += [same_name] if same_name else []
         for line in lines:
             if line not in self._peer_lines:
                 self.get_logger().warning(line)
         self._peer_lines = lines
         for muscle in self._muscles:
             muscle.republish_markers()
-        array = DiagnosticArray(status=[muscle.build_status() for muscle in self._muscles])
+        ages = self._memory.find_ages(self._read_clock())
+        array = DiagnosticArray(status=[muscle.build_status(ages) for muscle in self._muscles])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
-
-def main(ros_arguments: Sequence[str] = ()) -> None:
-    """Run the node until it is interrupted or terminated; LinkedPlaneError for a mistake."""
-    initialise_ros(ros_arguments)
-    node = None
-    try:
-        executor = SingleThreadedExecutor()  # before a signal can come: it fails noisily after one
-        with interruptible(), argument_errors():
-            node = MuscleStatePublisher()
-        executor.add_node(node)
-        gc.collect()
-        gc.freeze()  # what is loaded by now stays: searching it again takes tens of ms
-        executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except (RCLError, InvalidHandle):
-        if rclpy.ok():  # otherwise the signal came in the middle of a call
-            raise
-    finally:
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
+    def _describe_namesakes(self) -> str:
+        """Return a line if other nodes of the graph have this node's name; empty if none has."""
+        own = self.get_name(), self.get_namespace()
+        others = self.get_node_names_and_namespaces().count(own) - 1
+        if others < 1:
+            return ''
+        name = self.get_fully_qualified_name()
+        return (
+            f'{others} more of the name {name} in the graph (unless killed a moment ago): '
+            'parameters reach any of them; give each a name, -r __node:=NAME, or a namespace'
+        )

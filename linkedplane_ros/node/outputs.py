@@ -3,32 +3,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
+from posixpath import join
 from time import perf_counter
 from typing import Any
 
+import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 
 from ..drawing.shapes import RateLimiter
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
 from ..solver.linked_plane_solver import LinkedPlaneSolver
-from ..solver.states import MuscleState
+from ..solver.moment_bounds import moment_arm_bounds
+from ..solver.states import Answer, MuscleState
 from ..types import Triple
 from . import qos
-from .diagnostics import Tally, build_status
+from .diagnostics import STALE_AFTER, Tally, build_status
 from .markers import MuscleMarkers
 from .messages import Answers, message_class
+from .range_count import OutsideCounter
 from .settings import STILL, Settings
 from .topics import NODE_NAME, OUTPUTS
 
 THROTTLE = 5.0  # s between log lines on rejected messages
+LONGEST_TOPIC = 247  # characters, with the namespace: the middleware's longest name
 DEGREES_AT_LEAST = 50  # messages: fewer are faults of some messages, not of their unit
 
 
@@ -36,7 +43,10 @@ class MuscleOutputs:
     """Publishes the state of one muscle for the angles that the node has received."""
 
     def __init__(self, node: Node, name: str) -> None:
-        """Create the publishers, named after the muscle; RuntimeError for a wrong override."""
+        """Create the publishers, named after the muscle.
+
+        LinkedPlaneError for a name that topics cannot have, RuntimeError for a wrong override.
+        """
         self.name = name
         self.tally = Tally()
         self.topics: dict[str, Any] = {}
@@ -52,7 +62,15 @@ class MuscleOutputs:
                     event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
                     qos_overriding_options=qos.overridable_policies(),
                 )
-        except RuntimeError:
+        except InvalidTopicNameException:
+            self.close()
+            full = join(node.get_namespace(), name, topic.name)
+            raise LinkedPlaneError(
+                f'parameter muscle: {describe_value(name)} is no name for topics: {topic.name} '
+                f'would have {len(full)} characters with it, at most {LONGEST_TOPIC} of letters, '
+                'digits, _ and / expected'
+            ) from None
+        except Exception:
             self.close()
             raise
         self._on_demand = {
@@ -74,6 +92,10 @@ class MuscleOutputs:
             muscle, settings.frame_id, settings.markers_points, settings.markers_details
         )
         self._limiter = RateLimiter(settings.markers_rate)
+        self._outside = OutsideCounter(muscle)
+        self._bounds = moment_arm_bounds(muscle)
+        self._least_square = float(self._bounds.min()) ** 2
+        self.tally.oldest = settings.joint_timeout or STALE_AFTER
         self._answers = Answers(
             muscle.band_names, settings.convention.coordinates, settings.frame_id
         )
@@ -137,15 +159,12 @@ class MuscleOutputs:
         tally.received += 1
         tally.last_arrival = start
         try:
-            answer = self._solver.answer(self._convention, angles, speeds or STILL)
-        except LinkedPlaneError as error:
-            self._count_rejection(Rejected('no_plane', str(error)))
+            answer, messages = self._solve(stamp, angles, speeds, start)
+        except Rejected as error:
+            self._count_rejection(error)
             self._logger.warning(f'joint state not used: {error}', throttle_duration_sec=THROTTLE)
             return perf_counter()
-        tally.solve_times.append(perf_counter() - start)
         topics, state = self.topics, answer.state
-        lengthening = None if speeds is None else answer.lengthening
-        messages = self._answers.update(stamp, state, answer.moment_arms, lengthening)
         for name, message in messages.items():
             if self._is_wanted(name):
                 topics[name].publish(message)
@@ -154,11 +173,34 @@ class MuscleOutputs:
         ):
             self._publish_markers(state, stamp)
         tally.answered += 1
+        self._outside.add(state.rotation)
         tally.near_singular += sine_of_singularity(answer.axes) < NEAR_SINGULAR
         tally.last_state, self._last_stamp = state, stamp
         end = perf_counter()
         tally.callback_times.append(end - start)
         return end
+
+    def _solve(
+        self, stamp: Time, angles: Triple, speeds: Triple | None, start: float
+    ) -> tuple[Answer, Mapping[str, Any]]:
+        """Return the answer and the message of each topic; Rejected if it cannot be published."""
+        try:
+            answer = self._solver.answer(self._convention, angles, speeds or STILL)
+        except LinkedPlaneError as error:
+            raise Rejected('no_plane', str(error)) from None
+        self.tally.solve_times.append(perf_counter() - start)
+        lengthening = None if speeds is None else answer.lengthening
+        messages = self._answers.update(stamp, answer.state, answer.moment_arms, lengthening)
+        vectors = answer.state.moment_vectors
+        lever = float(np.vdot(vectors, vectors))  # m^2; while it is small, none is beyond
+        if not math.isfinite(lever + self._answers.add_up()):
+            degrees = ', '.join(f'{math.degrees(angle):.6g}' for angle in angles)
+            raise Rejected(
+                'answer_not_finite', f'the state of {self.name} at {degrees} deg is not finite'
+            )
+        if lever > self._least_square:
+            self.tally.beyond += bool((np.linalg.norm(vectors, axis=1) > self._bounds).any())
+        return answer, messages
 
     def _is_wanted(self, topic: str) -> bool:
         """Return whether somebody may read a topic; a latched one is kept for those to come."""
@@ -192,8 +234,10 @@ class MuscleOutputs:
         self.tally.incompatible_peers = [*of_input, *own]
         return self.tally.incompatible_peers
 
-    def build_status(self) -> DiagnosticStatus:
-        """Return the status of this muscle for the diagnostics."""
+    def build_status(self, ages: Mapping[str, float]) -> DiagnosticStatus:
+        """Return the status of this muscle for the diagnostics; `ages` of the joints, s."""
+        self.tally.ages = ages
+        self.tally.outside += self._outside.take_count()
         settings, side = self._settings, self._solver.side
         facts = {
             'muscle': self.name,

@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.sides import SIDES
 
@@ -105,7 +105,9 @@ class ParameterSpec:
 
     def _fault(self, value: Any, expected: str) -> LinkedPlaneError:
         given = list(value) if is_list(value) else value
-        return LinkedPlaneError(f'parameter {self.name}: {given!r} given, {expected} expected')
+        return LinkedPlaneError(
+            f'parameter {self.name}: {describe_value(given)} given, {expected} expected'
+        )
 
 
 def is_list(value: Any) -> bool:
@@ -157,6 +159,14 @@ SPECS = (
     ),
     ParameterSpec(
         'joint_offsets', [0.0, 0.0, 0.0], 'angle = sign * position + offset: three offsets, rad.'
+    ),
+    ParameterSpec(
+        'joint_timeout',
+        0.0,
+        'How much older than a message the joints that are not in it may be, s, by the stamps and '
+        'by their arrival; nothing is answered from older ones. 0: any age.',
+        0.0,
+        1e5,
     ),
     ParameterSpec('frame_id', 'scapula', 'The frame of the outputs.'),
     ParameterSpec('markers.enabled', True, 'Publish markers.'),

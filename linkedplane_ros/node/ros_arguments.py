@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.utilities import remove_ros_args
 
 from ..errors import ArgumentError
+from .interruption import end_on_hangup
 
 SOURCE = re.compile(r',? at /\S+?:\d+')  # where in its own sources rcl found the fault
 UNUSABLE = re.compile(r"Couldn't parse .+?: '(.*)'\. Error: (.*)")
@@ -52,6 +53,7 @@ def initialise_ros(arguments: Sequence[str], **options: Any) -> None:
         rclpy.init(args=list(arguments), **options)
     except RCLError as error:
         raise ArgumentError(explain_fault(str(error))) from None
+    end_on_hangup()
 
 
 def check_ros_arguments(arguments: Sequence[str]) -> None:

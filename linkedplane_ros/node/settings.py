@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value, escape_controls
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.joint_state import JointMap
 from ..muscle.broad_muscle import BroadMuscle
@@ -28,6 +29,8 @@ class Settings:
     scale: str
     convention: JointConvention
     joints: JointMap
+    joint_timeout: float
+    """s; 0: for ever."""
     frame_id: str
     markers_enabled: bool
     markers_rate: float
@@ -51,30 +54,52 @@ class Settings:
             It names the parameter that cannot be used, its value, and what is expected.
 
         """
-        checked = check_values(values)
-        convention = JOINT_CONVENTIONS[checked['joint_convention']]
-        muscles, left_out = load_muscles(
-            list_muscles(checked['muscle']), checked['scale'], may_fail
-        )
-        solvers = tuple(LinkedPlaneSolver(muscle, checked['side']) for muscle in muscles)
-        for solver in solvers:
-            solver.answer(convention, STILL, STILL)  # compiled before it is needed
-        return Settings(
-            solvers=solvers,
-            left_out=left_out,
-            scale=checked['scale'],
-            convention=convention,
-            joints=JointMap(
-                tuple(checked['joint_names']) or convention.coordinates,
-                tuple(checked['joint_signs']),
-                tuple(checked['joint_offsets']),
-            ),
-            frame_id=checked['frame_id'],
-            markers_enabled=checked['markers.enabled'],
-            markers_rate=checked['markers.rate'],
-            markers_points=checked['markers.points'],
-            markers_details=checked['markers.details'],
-        )
+        with refusals('parameters'):
+            return _build_settings(check_values(values), may_fail)
+
+
+def _build_settings(checked: Mapping[str, Any], may_fail: Collection[str]) -> Settings:
+    convention = JOINT_CONVENTIONS[checked['joint_convention']]
+    muscles, left_out = load_muscles(list_muscles(checked['muscle']), checked['scale'], may_fail)
+    solvers = tuple(LinkedPlaneSolver(muscle, checked['side']) for muscle in muscles)
+    for solver in solvers:
+        solver.answer(convention, STILL, STILL)  # compiled before it is needed
+    return Settings(
+        solvers=solvers,
+        left_out=left_out,
+        scale=checked['scale'],
+        convention=convention,
+        joints=JointMap(
+            tuple(checked['joint_names']) or convention.coordinates,
+            tuple(checked['joint_signs']),
+            tuple(checked['joint_offsets']),
+        ),
+        joint_timeout=checked['joint_timeout'],
+        frame_id=checked['frame_id'],
+        markers_enabled=checked['markers.enabled'],
+        markers_rate=checked['markers.rate'],
+        markers_points=checked['markers.points'],
+        markers_details=checked['markers.details'],
+    )
+
+
+@contextmanager
+def refusals(what: str) -> Iterator[None]:
+    """Turn any exception into a LinkedPlaneError: no value ends a running node.
+
+    Parameters
+    ----------
+    what
+        Is at fault; where it is not an error of ours, the line begins with it.
+
+    """
+    try:
+        yield
+    except LinkedPlaneError:
+        raise
+    except Exception as error:
+        text = escape_controls(f'{what}: cannot be used: {type(error).__name__}: {error}')
+        raise LinkedPlaneError(text) from error
 
 
 def check_values(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -123,7 +148,8 @@ def load_muscles(
     left_out: dict[str, str] = {}
     for text in given:
         try:
-            muscle = BroadMuscle.load(text).scaled(scale)
+            with refusals(f'parameter muscle: {describe_value(text)}'):
+                muscle = BroadMuscle.load(text).scaled(scale)
         except LinkedPlaneError as error:
             if text not in may_fail:
                 raise

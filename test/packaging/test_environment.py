@@ -91,6 +91,16 @@ def test_a_machine_without_ros_is_told_how_to_get_it() -> None:
     )
 
 
+def test_no_folder_for_the_log_at_all_is_one_line() -> None:
+    code = 'import tempfile\ntempfile.tempdir = "/dev/null/tmp"\n' + PREPARE
+    result = run_python(code, HOME='/dev/null')
+    assert result.returncode == 1
+    assert re.fullmatch(
+        r'no folder for the log of ROS can be written \(.+\): set ROS_LOG_DIR to one, or TMPDIR\n',
+        result.stderr,
+    )
+
+
 def test_a_ros_installation_is_left_alone(tmp_path: Path) -> None:
     """Stand-ins suffice: only where the packages lie matters."""
     for name in environment.NEEDED:
