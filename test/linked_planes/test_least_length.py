@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import reference
 from posed_muscle import CASES, THETAS, Posed
 from reference import Array
 
+from linkedplane_ros.linked_planes import least_length
 from linkedplane_ros.linked_planes.band import BESIDE, PIERCED, WRAPPED
 from linkedplane_ros.linked_planes.chain import Band, energy, plane_at
 from linkedplane_ros.linked_planes.least_length import (
@@ -186,6 +189,39 @@ def test_pierced_bands_together_are_as_short_as_in_a_scan(posed: Posed) -> None:
     found = energy(posed.bands, search_pierced(posed.bands, 12), True, -1)[0]
     scan = min(energy(posed.bands, x, True, -1)[0] for x in CIRCLE)
     assert found <= scan + LEAST
+
+
+def test_the_circle_is_not_searched_where_one_valley_or_none_will_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    evaluations = 0
+
+    def counted(*given: Any) -> tuple[float, float, float]:
+        nonlocal evaluations
+        evaluations += 1
+        return energy(*given)
+
+    monkeypatch.setattr(least_length, 'energy', counted)
+    counts = []
+    for seed in range(40):
+        posed = Posed(seed, 'deltoid')
+        evaluations = 0
+        solve_theta(posed.bands, -0.5)
+        pierced = len(of_kind(posed, PIERCED))
+        if pierced < 2:
+            assert evaluations == pierced  # straight, or the one band's own theta
+        assert evaluations < 30  # the whole circle costs hundreds
+        counts.append(evaluations)
+    assert np.median(counts) <= 3.0  # the guess is good: a Newton step or two
+    settled = 0
+    for seed in range(40):
+        posed = Posed(seed, 'ground')
+        evaluations = 0
+        _, held = settle(posed.bands, 0.1)
+        if not of_kind(posed, PIERCED):
+            assert evaluations == 0
+            settled += held >= 0
+    assert settled > 3
 
 
 def test_a_muscle_that_may_be_straight_settles_nearest_to_neutral() -> None:
