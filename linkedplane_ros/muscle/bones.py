@@ -13,6 +13,7 @@ from ..linked_planes.layout import GROUND, HUMERUS, MOVING, PointBones
 MOVING_FRAME, GROUND_FRAME = 'moving', 'ground'
 SINGLE = ('ground_point', 'humeral_point', 'reference_normal')
 LINES = ('origin', 'insertion')
+MOST_BONES = 100  # no muscle spans as many
 
 
 @dataclass(frozen=True)
@@ -143,6 +144,8 @@ def check_bone_names(names: Any) -> tuple[str, ...]:
     if isinstance(names, str) or not isinstance(names, (tuple, list)) or len(names) < 2:
         reason = f'{describe_value(names)} given; the ground bone, then those that move expected'
         raise FieldError(key, reason)
+    if len(names) > MOST_BONES:
+        raise FieldError(key, f'{len(names)} bones given, at most {MOST_BONES} expected')
     for name in names:
         if not isinstance(name, str) or not re.fullmatch(r'[A-Za-z][A-Za-z0-9_]*', name):
             reason = f'{describe_value(name)} given; a letter, then letters, digits and _ expected'

@@ -33,6 +33,7 @@ from .validity import (
     check_heads,
     check_landmarks,
     check_names,
+    check_size,
     check_topic_name,
     require_array,
     require_intervals,
@@ -143,7 +144,7 @@ class BroadMuscle:
         self._set('heads', heads or (whole_head(self.name, self.band_names),))
         check_heads(self.heads, self.band_names)
         self._set('landmarks', require_items('landmarks', self.landmarks, Landmark))
-        check_landmarks([landmark.name for landmark in self.landmarks])
+        check_landmarks(self.landmarks)
         self._set_bones()
         if self.range_of_motion is not None:
             limits = require_intervals('range_of_motion', self.range_of_motion, COORDINATES)
@@ -177,7 +178,10 @@ class BroadMuscle:
                 continue
             expected = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
             array = require_array(name, getattr(self, name), expected)
-            array = unit_vector(array) if name == 'reference_normal' else array
+            if name == 'reference_normal':
+                array = unit_vector(array)
+            else:
+                check_size(name, array, 'rad' if name == 'plane_angles' else 'm')
             array.flags.writeable = False  # or it would differ from the definition
             self._set(name, array)
 

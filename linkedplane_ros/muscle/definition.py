@@ -155,7 +155,8 @@ class Definition:
         """(n,) s of each band; zeros where none is stated, and none needed."""
         n = len(self.band_names)
         if isinstance(self.s, Span):
-            return np.linspace(self.s.first, self.s.last, n)
+            with np.errstate(all='ignore'):  # what is not finite is refused
+                return np.linspace(self.s.first, self.s.last, n)
         return np.zeros(n) if self.s is None else np.array(self.s)
 
     def points(self) -> dict[str, Curves]:
@@ -254,8 +255,13 @@ def expand_frame(frame: str | tuple[str, ...], n: int) -> tuple[str, ...]:
 
 def unit_vector(vector: Floats) -> Floats:
     """Return a vector (3,) at length 1; of length 1 to rounding, or of length 0, as it is."""
+    largest = float(np.abs(vector).max())
+    if largest == 0.0:
+        return vector
+    if not 1e-150 < largest < 1e150:  # the squares vanish or overflow
+        vector = vector / largest
     size = float(np.linalg.norm(vector))
-    return vector if abs(size - 1.0) < 1e-12 or size == 0.0 else vector / size
+    return vector if abs(size - 1.0) < 1e-12 else vector / size
 
 
 def define_in_metres(fields: dict[str, Any]) -> Definition:

@@ -35,6 +35,8 @@ class Key:
     required: bool = True
     field: str = ''
     """Of a BroadMuscle, where that names it otherwise."""
+    positive: bool = False
+    """Whether its numbers are above zero."""
 
 
 TYPES = {
@@ -174,6 +176,7 @@ KEYS = (
         'The radii of the spheres, above zero.',
         LENGTH,
         field='sphere_radii',
+        positive=True,
     ),
     Key(
         'sphere.ground_point',
@@ -214,7 +217,13 @@ KEYS = (
     ),
     Key('interference_spheres', '', 'Bone that no band should enter, by its name.', required=False),
     Key('interference_spheres.NAME.centre', 'point', 'The centre.', LENGTH, GROUND),
-    Key('interference_spheres.NAME.radius', 'number', 'The radius, above zero.', LENGTH),
+    Key(
+        'interference_spheres.NAME.radius',
+        'number',
+        'The radius, above zero.',
+        LENGTH,
+        positive=True,
+    ),
     Key(
         'interference_spheres.NAME.bone',
         'word',
@@ -260,7 +269,9 @@ KEYS = (
     ),
 )
 
-KEYS_OF_FIELDS = {key.field: key.path for key in KEYS if key.field}
+KEYS_OF_FIELDS = {key.field: key.path for key in KEYS if key.field} | dict.fromkeys(
+    ('interference_names', 'interference_centres', 'interference_radii'), 'interference_spheres'
+)
 """Where a file has the fields of a BroadMuscle that it names otherwise."""
 
 

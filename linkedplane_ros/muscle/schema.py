@@ -7,16 +7,19 @@ python -m linkedplane_ros.muscle.schema  write models/broad_muscle.schema.json
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
-from .bones import BALL_JOINT
-from .keys import FORMAT, VERSIONS, Key, keys_below
-from .validity import JOINT_CENTRE
+from .bones import BALL_JOINT, GROUND_FRAME, MOST_BONES, MOVING_FRAME
+from .keys import ANGLE, FORMAT, KEYS, LENGTH, VERSIONS, Key, keys_below
+from .parts import METRES, RADIANS
+from .validity import BAND_NAME, JOINT_CENTRE, LIMIT, NAME
 
+FINITE = sys.float_info.max
 FILE = Path(__file__).parents[1] / 'models' / 'broad_muscle.schema.json'
 
-NUMBER = {'type': 'number'}
+NUMBER = {'$ref': '#/definitions/number'}
 POINT = {'type': 'array', 'minItems': 3, 'maxItems': 3, 'items': NUMBER}
 TYPES: dict[str, dict[str, Any]] = {
     'format': {'const': FORMAT},
@@ -26,7 +29,7 @@ TYPES: dict[str, dict[str, Any]] = {
         'type': 'array',
         'minItems': 1,
         'uniqueItems': True,
-        'items': {'type': 'string', 'pattern': r'^[^,]*[^,\s][^,]*$'},
+        'items': {'type': 'string', 'pattern': BAND_NAME},
     },
     'word': {'type': 'string', 'minLength': 1},
     'words': {
@@ -45,12 +48,23 @@ TYPES: dict[str, dict[str, Any]] = {
     'points': {'$ref': '#/definitions/points'},
 }
 
+NAMES = {'type': 'string', 'pattern': NAME}
+UNITS = {LENGTH: METRES, ANGLE: RADIANS}
+
 # What concerns more than one key, or the names that the user gives
 BEYOND_TYPES: dict[str, dict[str, Any]] = {
-    'heads': {'minProperties': 1},
-    'bones.names': {'minItems': 2},
-    'landmarks': {'propertyNames': {'not': {'const': JOINT_CENTRE}}},
-    'interference_spheres.NAME.radius': {'exclusiveMinimum': 0},
+    'heads': {'minProperties': 1, 'propertyNames': NAMES},
+    'bones.names': {
+        'minItems': 2,
+        'maxItems': MOST_BONES,
+        'items': {
+            'type': 'string',
+            'pattern': rf'^(?!({MOVING_FRAME}|{GROUND_FRAME})$)[A-Za-z][A-Za-z0-9_]*$(?!\n)',
+        },
+    },
+    'landmarks': {'propertyNames': {**NAMES, 'not': {'const': JOINT_CENTRE}}},
+    'interference_spheres': {'propertyNames': NAMES},
+    'reference_normal': {'contains': {'not': {'const': 0}}},
     'sphere': {
         'if': {
             'properties': {
@@ -97,10 +111,17 @@ def json_schema() -> dict[str, Any]:
             'See doc/reference/model_format.md.'
         ),
         **describe_mapping(''),
-        'if': {'properties': {'version': {'const': 1}}},
-        'then': {'properties': FIRST_VERSION},
-        'else': {'required': ['bones']},
+        'allOf': [
+            {
+                'if': {'properties': {'version': {'const': 1}}},
+                'then': {'properties': FIRST_VERSION},
+                'else': {'required': ['bones']},
+            },
+            *(limit_unit(key, unit) for key, units in UNITS.items() for unit in units),
+        ],
         'definitions': {
+            'number': {'type': 'number', 'minimum': -FINITE, 'maximum': FINITE},
+            **define_limits(),
             'quantity': {
                 'description': (
                     "A number: common to all bands. A list of numbers: a polynomial's coefficients "
@@ -118,6 +139,58 @@ def json_schema() -> dict[str, Any]:
             },
         },
     }
+
+
+def limit_unit(unit_key: str, unit: str) -> dict[str, Any]:
+    """Return the schema that limits all numbers in a unit, if the file states them in it."""
+    limits: dict[str, Any] = {}
+    for key in KEYS:
+        if key.unit == unit_key:
+            here = limits
+            for name in key.path.split('.'):
+                inner = here if name == 'NAME' else here.setdefault('properties', {})
+                here = inner.setdefault('additionalProperties' if name == 'NAME' else name, {})
+            here['$ref'] = f'#/definitions/{name_limit(key.type, key.positive)}_{unit}'
+    outer, last = unit_key.split('.')
+    stated = {'properties': {outer: {'properties': {last: {'const': unit}}}}}
+    return {'if': stated, 'then': limits}
+
+
+def name_limit(kind: str, positive: bool) -> str:
+    """Return the name of the definition that limits one of TYPES, without the unit."""
+    return f'positive_{kind}' if positive else kind
+
+
+def define_limits() -> dict[str, Any]:
+    """Return the definitions that limit each of TYPES, in each unit."""
+    definitions = {}
+    for unit_key, units in UNITS.items():
+        for key in KEYS:
+            for unit, size in units.items() if key.unit == unit_key else ():
+                high = LIMIT / size
+                limits = limit_type(key.type, 0.0 if key.positive else -high, high)
+                definitions[f'{name_limit(key.type, key.positive)}_{unit}'] = limits
+    return definitions
+
+
+def limit_type(kind: str, low: float, high: float) -> dict[str, Any]:
+    """Return the schema that keeps the numbers of one of TYPES above low and below high."""
+    number = {'exclusiveMinimum': low, 'exclusiveMaximum': high}
+    quantity = {
+        **number,
+        'properties': {'list': {'items': number}},
+        'if': {'type': 'array', 'maxItems': 1},  # of a polynomial, only a constant
+        'then': {'items': number},
+    }
+    points = {**dict.fromkeys('xyz', quantity), 'list': {'items': {'items': number}}}
+    of_types: dict[str, dict[str, Any]] = {
+        'number': number,
+        'point': {'items': number},
+        'interval': {'items': number},
+        'quantity': quantity,
+        'points': {'properties': points},
+    }
+    return of_types[kind]
 
 
 def describe_mapping(path: str) -> dict[str, Any]:

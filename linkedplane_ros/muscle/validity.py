@@ -15,13 +15,22 @@ from ..types import Floats, Intervals, Point
 
 if TYPE_CHECKING:
     from .broad_muscle import BroadMuscle
-    from .parts import Head
+    from .parts import Head, Landmark
 
 Item = TypeVar('Item')
 
 JOINT_CENTRE = 'joint_centre'  # a landmark of both bones by itself
 SHORTEST = 1e-9  # m, m^2: below, a line or a plane has no direction
+LIMIT = (
+    10.0  # m, rad: no animal has longer muscles, no angle needs two turns; beyond, a unit is wrong
+)
 PARALLEL = 1e-6  # sine of the smallest angle between a reference normal and the first band
+UNPRINTABLE = (  # of Unicode's basic plane, as JSON Schema's regular expressions have it
+    r'\x00-\x1f\x7f-\xa0\xad\u1680\u180e\u2000-\u200f\u2028-\u202f\u205f-\u206f\u3000'
+    r'\ud800-\uf8ff\ufeff\ufff0-\uffff'
+)
+NAME = rf'^ *[^ {UNPRINTABLE}][^{UNPRINTABLE}]*$(?!\n)'
+BAND_NAME = NAME.replace(UNPRINTABLE, f',{UNPRINTABLE}')
 
 
 def check_topic_name(field: str, name: Any, owner: str = '') -> None:
@@ -44,19 +53,21 @@ def check_names(field: str, names: Sequence[str], owner: str = '') -> None:
     """Refuse names of bands with commas or line breaks, names that repeat, and an empty list."""
     if not names:
         raise FieldError(field, 'a list of names expected, an empty one given', owner)
-    check_distinct(field, names, owner)
-    wrong = [name for name in names if not name.isprintable() or ',' in name or not name.strip()]
-    if wrong:
-        reason = f'{describe_value(wrong[0])} given; a name without a comma expected'
-        raise FieldError(field, reason, owner)
+    check_distinct(field, names, owner, BAND_NAME, 'a name without a comma')
 
 
-def check_distinct(field: str, names: Iterable[str], owner: str = '') -> None:
-    """Refuse names that repeat, and what is not a name."""
+def check_distinct(
+    field: str,
+    names: Iterable[str],
+    owner: str = '',
+    pattern: str = NAME,
+    expected: str = 'a name',
+) -> None:
+    """Refuse names that repeat, and what is not a name: blank, or with what does not print."""
     names = list(names)
-    wrong = [name for name in names if not isinstance(name, str)]
+    wrong = [each for each in names if not isinstance(each, str) or not re.match(pattern, each)]
     if wrong:
-        raise FieldError(field, f'{describe_value(wrong[0])} given; a name expected', owner)
+        raise FieldError(field, f'{describe_value(wrong[0])} given; {expected} expected', owner)
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         reason = f'{describe_value(twice[0])} appears twice; different names expected'
@@ -101,6 +112,15 @@ def require_array(field: str, value: Any, shape: tuple[int, ...], owner: str = '
     return array
 
 
+def check_size(field: str, values: Floats, unit: str) -> None:
+    """Refuse coordinates and radii (m) and angles (rad) that are so large that a unit is wrong."""
+    wrong = np.argwhere(np.abs(values) >= LIMIT).tolist()
+    if wrong:
+        where = f' at {wrong[0]}' if wrong[0] else ''
+        given = f'{values[tuple(wrong[0])]:.6g} {unit} given{where}'
+        raise FieldError(field, f'{given}, less than {LIMIT:g} {unit} expected; another unit?')
+
+
 def require_point(field: str, value: Any, owner: str) -> Point:
     """Return three finite numbers; FieldError for anything else."""
     x, y, z = require_array(field, value, (3,), owner).tolist()
@@ -115,6 +135,8 @@ def require_intervals(field: str, value: Any, names: Sequence[str]) -> Intervals
         given = '{:.6g} to {:.6g} rad given'.format(*limits[wrong])
         reason = f'{given}, the lowest, then the highest expected'
         raise FieldError(f'{field}.{names[wrong]}', reason)
+    for name, interval in zip(names, limits, strict=True):
+        check_size(f'{field}.{name}', np.array(interval), 'rad')
     return tuple((low, high) for low, high in limits)
 
 
@@ -132,9 +154,12 @@ def check_heads(heads: Sequence[Head], bands: Sequence[str]) -> None:
         raise FieldError('heads', f'no head has the band {describe_value(next(iter(left)))}')
 
 
-def check_landmarks(names: Sequence[str]) -> None:
-    """Refuse names that repeat, and that of the landmark that every model has."""
+def check_landmarks(landmarks: Sequence[Landmark]) -> None:
+    """Refuse names that repeat or that every model has, and places far away."""
+    names = [landmark.name for landmark in landmarks]
     check_distinct('landmarks', names)
+    for landmark in landmarks:
+        check_size(f'landmarks.{landmark.name}.at', np.array(landmark.at), 'm')
     if JOINT_CENTRE in names:
         reason = 'is the origin of both bones in every model; another name expected'
         raise FieldError(f'landmarks.{JOINT_CENTRE}', reason)

@@ -93,10 +93,10 @@ def test_a_file_gives_the_same_muscle_as_the_bundled_one(content: Content, write
 
 
 def test_units_of_a_file_are_converted(content: Content, write: Write) -> None:
-    content['units'] = {'length': 'm', 'angle': 'deg'}
+    content['units'] = {'length': 'cm', 'angle': 'deg'}
     muscle, bundled = BroadMuscle.load(write(content)), BroadMuscle.load('deltoid')
-    np.testing.assert_allclose(muscle.origins, bundled.origins * 1e3, rtol=1e-14)
-    np.testing.assert_allclose(muscle.sphere_radii, bundled.sphere_radii * 1e3, rtol=1e-14)
+    np.testing.assert_allclose(muscle.origins, bundled.origins * 10.0, rtol=1e-14)
+    np.testing.assert_allclose(muscle.sphere_radii, bundled.sphere_radii * 10.0, rtol=1e-14)
     np.testing.assert_allclose(muscle.plane_angles, np.radians(bundled.plane_angles), rtol=1e-14)
 
 
