@@ -20,6 +20,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import MarkerArray
 
+from ..errors import escape_controls
 from ..joints.joint_state import JointMemory, Rejected
 from ..processing.topics import read_label
 from ..recordings.bags.topics import JOINT_STATE
@@ -27,6 +28,7 @@ from ..types import Floats
 from .mover import ArmMover
 from .newest import MARKERS_KEPT, MuscleInfo, NewestState
 
+MOST_BANDS = 1000  # a label with more names is not one of a muscle
 POSES_KEPT = 64  # joint states, to find the pose of an answer
 PARAMETERS = ('muscle', 'side', 'joint_convention', 'joint_names', 'joint_signs', 'joint_offsets')
 
@@ -89,6 +91,8 @@ class MuscleReader:
         names = [read_label(dim.label)[1] for dim in message.layout.dim]
         if len(names) != 2 or len(names[1]) != 3 or len(message.data) != 3 * len(names[0]):
             return
+        if len(names[0]) > MOST_BANDS or not np.isfinite(message.data).all():
+            return
         if (names[1], names[0]) != self._labels:
             self._labels = names[1], names[0]
             self._answer = None  # the node has changed: ask it again
@@ -96,7 +100,8 @@ class MuscleReader:
         self._pending['arms'] = np.array(message.data).reshape(-1, 3)
 
     def _take_states(self, message: JointState) -> None:
-        self._states = message
+        if np.isfinite(message.position).all():
+            self._states = message
 
     def _take_wrap(self, message: UInt8MultiArray) -> None:
         self._pending['wrap'] = np.array(message.data, np.uint8)
@@ -142,9 +147,13 @@ class MuscleReader:
         if self._joints is None or not (self._labels or self._parameters):
             return
         labels = self._labels or ((), ())
-        info = MuscleInfo.from_parameters(
-            *labels, self._joints.topic_name, self._parameters, self._prefix.rpartition('/')[2]
-        )
+        topic, name = self._joints.topic_name, self._prefix.rpartition('/')[2]
+        try:
+            info = MuscleInfo.from_parameters(*labels, topic, self._parameters, name)
+        except (TypeError, ValueError) as error:  # another program's, of the same names
+            line = f'{self._prefix} is not shown: {escape_controls(str(error))}'
+            self._node.get_logger().warning(line, once=True)
+            return
         if self._memory is None or self._memory.joints != info.joints:
             self._memory = JointMemory(info.joints)
         self.newest.set_info(info)

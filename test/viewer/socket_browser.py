@@ -68,6 +68,11 @@ class SocketBrowser:
         """Wait until a control can be changed; return whether that came."""
         return self.until(lambda: not self._disabled.get(self._controls[label], False))
 
+    @property
+    def labels(self) -> list[str]:
+        """The labels of all controls."""
+        return [*self._controls]
+
     def shows(self, text: str) -> bool:
         """Wait for a text in the panel; return whether it came."""
         return self.until(lambda: any(text in each for each in self.texts.values()))

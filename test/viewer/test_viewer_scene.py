@@ -145,6 +145,10 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
     )
     page = stage.page
     with left:
+        assert wait_until(lambda: page.page.get_by_text('left deltoid', exact=True).count() > 0)
+        page.open_tab('left deltoid')
+        with page.expect_change():
+            page.page.get_by_text('neutral', exact=True).last.click(force=True)
         assert wait_until(lambda: len(page.lines('/left/deltoid/bands/lines')) > 0)
         mirrored = LinkedPlaneSolver(DELTOID, 'left').solve(np.eye(3)).paths(16)
         wanted = np.concatenate([np.stack((p[:-1], p[1:]), axis=1) for p in mirrored])
@@ -161,6 +165,6 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
         assert wait_until(as_one_stands_before_a_person)
         assert wait_until(lambda: page.page.get_by_text('dashed: left deltoid').count() > 0)
         page.choose_option('time', 'coordinate')
-        # the left arm has not been moved: a point of its curves, the right one's before and behind
+        # the left arm has stayed where it was: a point of its curves, the right one's before and behind
         assert wait_until(lambda: len(page.plots()) == 2 and len(page.plots()[0]) == 7)
         assert all_lines_are_seen(page)

@@ -28,6 +28,7 @@ MISSING = next(
 DELTOID = BroadMuscle.load('deltoid')
 SOLVER = LinkedPlaneSolver(DELTOID)
 THESIS = JOINT_CONVENTIONS['flexion_abduction_rotation']
+TOPICS = '--topic', '/joint_states', '--topic', '/left/joint_states'
 DRAWN = 1e-7  # m: coordinates below 0.25 m in single precision
 
 
@@ -54,7 +55,7 @@ class Stage:
         self.folder = folder
         self.chromium = chromium
         self.start_node(folder / 'node.log')
-        self.viewer = ViewerProcess(folder / 'viewer.log', '--topic', '/joint_states', '--take')
+        self.viewer = ViewerProcess(folder / 'viewer.log', *TOPICS, '--take')
         self.viewer.outlive_test()
         self.page = self.open()
         self.page.press_button('neutral')  # nothing is published before

@@ -107,7 +107,9 @@ def drawables(
             own = band_colours or {} if name.startswith(f'{BANDS}/') else {}
             drawn[name] = merge_lines(group, own)
         elif kind in ('balls', 'rods'):
-            drawn[name] = merge_bodies(group)
+            bodies = merge_bodies(group)
+            if len(bodies.positions):  # a list may have no points
+                drawn[name] = bodies
         elif kind == 'sheets':
             drawn[name] = merge_sheets(group)
     return drawn
@@ -115,15 +117,16 @@ def drawables(
 
 def drawable_name(marker: Marker) -> str:
     """Return the name of the drawable that a marker is part of; unknown kinds are not drawn."""
+    namespace = marker.namespace.replace('/', '_')  # it is a part of a path
     if marker.kind in (LINE_STRIP, LINE_LIST):
-        return f'{marker.namespace}/lines'
+        return f'{namespace}/lines'
     if marker.kind in (SPHERE, SPHERE_LIST):
-        return f'{marker.namespace}/balls'
+        return f'{namespace}/balls'
     if marker.kind == CYLINDER:
-        return f'{marker.namespace}/rods'
+        return f'{namespace}/rods'
     if marker.kind == TRIANGLE_LIST:
-        return f'{marker.namespace}/sheets/{"_".join(map(str, rgb(marker.colour)))}'
-    return f'{marker.namespace}/unknown'
+        return f'{namespace}/sheets/{"_".join(map(str, rgb(marker.colour)))}'
+    return f'{namespace}/unknown'
 
 
 def rgb(colour: Floats) -> tuple[int, int, int]:

@@ -108,6 +108,8 @@ class CdrReader:
         for _ in range(4):  # a text, a mesh
             self.skip_bytes()
         self._offset += 1
+        if not all(np.isfinite(each).all() for each in (look, points, colours)):
+            raise ValueError('finite numbers expected')
         return Marker(
             namespace,
             number,
