@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from optional import requires
 
+from linkedplane_ros import LinkedPlaneError
 from linkedplane_ros.viewer.guard import Guard, cookie_name
 from linkedplane_ros.viewer.messages import find_message_fault
 
@@ -144,6 +145,19 @@ def test_a_server_for_others_is_served_under_the_address_that_was_reached() -> N
     ):
         assert bool(ask(guard, ('Host', host), address=address)) == refused, host
     assert ask(Guard('robot.example'), ('Host', 'Robot.example:8080'), address='192.0.2.7') == ''
+
+
+def test_a_library_that_serves_in_another_way_is_stopped_in_one_line() -> None:
+    stopped: list[bool] = []
+    server: Any = SimpleNamespace(gui=SimpleNamespace(), stop=lambda: stopped.append(True))
+    for guarded, controls in ((False, {}), (True, None)):
+        guard = Guard('127.0.0.1')
+        if guarded:
+            guard._guarded = True
+        server.gui._gui_input_handle_from_uuid = controls
+        with pytest.raises(LinkedPlaneError, match='cannot be guarded'):
+            guard.set_server(server)
+    assert stopped == [True, True]
 
 
 # What a browser sends

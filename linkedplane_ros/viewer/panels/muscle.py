@@ -88,10 +88,14 @@ class MusclePanel:
         self._send(speeds, now)
 
     async def _on_go_to(self, event: Any) -> None:
+        if self._obstacle:
+            return
         self._take_over()
         self._arm.glide(self._poses[event.target.value], time.monotonic())
 
     async def _on_sweep(self, _: Any) -> None:
+        if self._obstacle:
+            return
         playing = self._play.label == STOP
         self._take_over()
         if not playing:
