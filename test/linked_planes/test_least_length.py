@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import reference
-from posed_muscle import CASES, THETAS, Posed
+from posed_muscle import CASES, THETAS, Posed, posed_bands
+from random_muscles import DELTOID
 from reference import Array
+from scipy.spatial.transform import Rotation
 
+from linkedplane_ros import BroadMuscle
 from linkedplane_ros.linked_planes import least_length
 from linkedplane_ros.linked_planes.band import BESIDE, PIERCED, WRAPPED
 from linkedplane_ros.linked_planes.chain import Band, energy, plane_at
@@ -181,6 +185,44 @@ def test_the_least_length_is_found_wherever_theta_is_counted_from(posed: Posed, 
         assert energy(turned, found, False, held_there)[0] == pytest.approx(length, abs=LEAST)
         if held < 0 and length > sum(band.section.D for band in posed.bands) + LEAST:
             assert abs(np.exp(1j * found) - np.exp(1j * end)) < 1e-6  # rad
+
+
+def crossing_bands(seed: int) -> tuple[BroadMuscle, Array]:
+    """Return two bands round spheres in their middles, nearly at right angles, and a rotation.
+
+    The second plane turns some 1 / cos^2 of the angle between them as fast as at its slowest.
+    """
+    rng = np.random.default_rng(seed)
+    R = Rotation.random(random_state=seed).as_matrix()
+    u = reference.unit(rng.normal(size=3))
+    aside = reference.unit(np.cross(u, rng.normal(size=3)))
+    lean = rng.uniform(0.08, 0.15)  # rad off the right angle
+    lines = 0.12 * np.array([u, np.cos(lean) * aside + np.sin(lean) * u])
+    origins = rng.uniform(-0.05, 0.05, (2, 3))
+    muscle = replace(
+        DELTOID,
+        band_names=('one', 'other'),
+        heads=(),
+        origins=origins,
+        insertions=(origins + lines) @ R,
+        sphere_centres=origins + 0.5 * lines + rng.normal(0.0, 0.003, (2, 3)),
+        sphere_radii=np.array([0.02, 0.02]),
+        sphere_frame='ground',
+        plane_angles=rng.uniform(-0.6, 0.6, 2),
+        reference_normal=reference.unit(rng.normal(size=3)),
+    )
+    return muscle, R
+
+
+@pytest.mark.parametrize('seed', range(12))
+def test_a_plane_that_turns_very_unevenly_is_searched_finely(seed: int) -> None:
+    muscle, R = crossing_bands(seed)
+    bands = posed_bands(muscle, R)
+    assert [band.section.kind for band in bands] == [PIERCED, PIERCED]
+    assert unevenness(bands[1].section) > 40.0
+    scan = reference.total_at(muscle, R, reference.circle(7200)).min()
+    for theta, held in (search_circle(bands, 0.3), solve_theta(bands, 0.3)):
+        assert energy(bands, theta, False, held)[0] <= scan + LEAST
 
 
 def test_pierced_bands_together_are_as_short_as_in_a_scan(posed: Posed) -> None:
