@@ -111,8 +111,15 @@ def test_frames_outside_the_models_range_are_counted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     'name', ['out', 'out.csv', pytest.param('out.parquet', marks=requires('pyarrow'))]
 )
-def test_a_full_disk_is_one_line(tmp_path: Path, name: str, storage: StoragePlugin) -> None:
+def test_a_full_disk_is_one_line(
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+    name: str,
+    storage: StoragePlugin,
+) -> None:
     source = write_bag(tmp_path / 'in', [joint_state(k % 100) for k in range(2000)], storage)
+    # kernels that cannot be kept would be a second line: here they are, before the disk is full
+    assert run_task(Task(source, tmp_path_factory.mktemp('before') / name)).fault == ''
     code = (
         'import resource, signal, sys; from linkedplane_ros.commands.main import main\n'
         'signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n'
