@@ -19,6 +19,7 @@ from ..errors import LinkedPlaneError
 from ..linked_planes.layout import BAND_SIZE, FIRST_BAND, muscle_size
 from ..muscle.definition import Definition
 from ..muscle.parts import METRES, RADIANS, Curve, Polynomial
+from ..muscle.validity import LIMIT
 from ..types import Floats
 from .places import (
     DISTANCE,
@@ -188,7 +189,8 @@ class _Builder:
         whole = float(np.abs(self.definition.values[key]).max()) / effect
         reach = self.reach[angle] / size / effect
         least = SMALLEST / size if key == 'sphere.radius' and effect == 1.0 else -np.inf
-        low, high = self._limits(bounded, start, whole, reach, least)
+        most = LIMIT / size if effect == 1.0 else np.inf
+        low, high = self._limits(bounded, start, whole, reach, least, most)
         self._add(Parameter(name, unit, start, low, high), column, rows)
 
     def add_point(self, key: str, axis: int, place: str) -> None:
@@ -199,7 +201,8 @@ class _Builder:
         column[POINTS[key] + axis] = size
         start = self.numbers[place]
         reach = self.reach[0] / size if is_point else 0.5
-        low, high = self._limits(place, start, abs(start), reach)
+        most = LIMIT / size if is_point else np.inf
+        low, high = self._limits(place, start, abs(start), reach, most=most)
         self._add(Parameter(place, unit, start, low, high), column, {place: 1.0})
 
     def add_distance(self) -> None:
@@ -215,7 +218,8 @@ class _Builder:
         k = POINTS['sphere.humeral_point']
         column[k : k + 3] = size * point / start
         rows = {f'sphere.humeral_point[{axis}]': v for axis, v in enumerate(point / start)}
-        low, high = self._limits(DISTANCE, start, start, self.reach[0] / size)
+        reach, most = self.reach[0] / size, LIMIT / size
+        low, high = self._limits(DISTANCE, start, start, reach, most=most)
         self._add(Parameter(DISTANCE, unit, start, low, high), column, rows)
 
     def _unit(self, angle: bool) -> tuple[float, str]:
@@ -225,9 +229,18 @@ class _Builder:
         return self.metres, self.definition.length
 
     def _limits(
-        self, place: str, start: float, whole: float, reach: float, least: float = -np.inf
+        self,
+        place: str,
+        start: float,
+        whole: float,
+        reach: float,
+        least: float = -np.inf,
+        most: float = np.inf,
     ) -> tuple[float, float]:
-        """Return the bounds of a parameter; a share is one of `whole`, `least` is the lowest."""
+        """Return the bounds of a parameter.
+
+        A share is one of `whole`, `least` is the lowest; no model has a number of `most` or more.
+        """
         self.bounded.append(place)
         bound = Bound('', size=reach)
         for each in self.bounds:
@@ -241,6 +254,11 @@ class _Builder:
         if not low <= start <= high:
             raise LinkedPlaneError(
                 f'bound: {bound.pattern}: {place} starts at {start:g}, outside {low:g} to {high:g}'
+            )
+        if max(-low, high) >= most:
+            raise LinkedPlaneError(
+                f'bound: {place}: {low:g} to {high:g} given, less than {most:g} expected: the '
+                f'limit of a model, {LIMIT:g} m or rad'
             )
         return low, high
 

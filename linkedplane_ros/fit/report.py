@@ -11,7 +11,7 @@ import numpy as np
 
 from ..drawing.markdown import markdown_table
 from ..drawing.units import MILLIMETRES
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, escape_controls
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from ..types import Floats
@@ -111,7 +111,7 @@ def _summary(outcome: FinishedFit) -> Iterator[str]:
     values = [one.value(x) for x in (outcome.start, outcome.end)]
     yield f'`{outcome.command}`'
     yield ''
-    yield f'* Started from: {outcome.before.name} ({outcome.before.source})'
+    yield f'* Started from: {outcome.before.name} ({escape_controls(outcome.before.source)})'
     yield (
         f'* Data: `{outcome.data.path.name}`, {len(outcome.data.measurements)} rows; '
         f'{outcome.data.reading}'

@@ -23,7 +23,7 @@ from .parts import (
     Polynomial,
     Span,
 )
-from .yaml_mapping import YamlMapping, describe_kind, is_version
+from .yaml_mapping import YamlMapping, describe_kind, is_version, number_hint
 
 
 @contextmanager
@@ -127,7 +127,7 @@ def _read_curve(mapping: YamlMapping, key: str) -> Curve:
         raise mapping.fault(
             key,
             'a number, a list of numbers (coefficients in s) or {list: [...]} expected, '
-            f'{describe_kind(value)} given',
+            f'{describe_kind(value)} given{number_hint(value)}',
         )
     return Polynomial((mapping.number(key),))
 

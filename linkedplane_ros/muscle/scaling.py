@@ -28,7 +28,7 @@ from .parts import (
     Listed,
     multiply_point,
 )
-from .validity import JOINT_CENTRE
+from .validity import JOINT_CENTRE, LIMIT
 from .yaml_mapping import YamlMapping, is_version, read_yaml
 
 FORMAT = 'linkedplane_ros/subject'
@@ -217,7 +217,11 @@ def measure_scale(file: YamlMapping, model: Definition) -> Scale:
             f'its points on {", ".join(model.bones.names)}'
         )
     kind = 'points' if 'points' in file else 'distances'
+    far = LIMIT / METRES[units.content['length']]
     pairs = list({'points': point_pairs, 'distances': distance_pairs}[kind](file, model))
+    wrong = [each for *_, measured in pairs for each in measured if not abs(each) < far]
+    if wrong:
+        raise file.fault(kind, f'{wrong[0]:g} given, less than {LIMIT:g} m expected; another unit?')
     factors: dict[str, Point] = {}
     off: list[float] = []
     for bone in BONES:

@@ -222,8 +222,8 @@ class YamlMapping:
 
     def _number(self, key: str, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            hint = '; write 1.0e-3, not 1e-3' if is_exponential(value) else ''
-            raise self.fault(key, f'a number expected, {describe_value(value)} given{hint}')
+            given = f'{describe_value(value)} given{number_hint(value)}'
+            raise self.fault(key, f'a number expected, {given}')
         try:
             number = float(value)
         except OverflowError:
@@ -238,9 +238,11 @@ def is_version(value: Any, version: int) -> bool:
     return not isinstance(value, bool) and bool(value == version)
 
 
-def is_exponential(value: Any) -> bool:
-    """Return whether a value is text such as 1e-3, which YAML 1.1 does not take for a number."""
-    return isinstance(value, str) and re.fullmatch(r'[-+]?[\d.]+[eE][-+]?\d+', value) is not None
+def number_hint(value: Any) -> str:
+    """Return how to write text such as 1e-3, which YAML 1.1 does not take for a number."""
+    exponential = r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][-+]?[0-9]+'
+    is_number = isinstance(value, str) and re.fullmatch(exponential, value)
+    return '; write 1.0e-3, not 1e-3' if is_number else ''
 
 
 def describe_kind(value: Any) -> str:

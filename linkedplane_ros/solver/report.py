@@ -8,6 +8,7 @@ from importlib import resources
 
 import numpy as np
 
+from ..errors import escape_controls
 from ..muscle.broad_muscle import BroadMuscle
 from ..muscle.parts import COORDINATES
 from .linked_plane_solver import LinkedPlaneSolver
@@ -19,8 +20,8 @@ def model_report(muscle: BroadMuscle) -> Iterator[str]:
     """Yield the lines: the model, its bands with the arm at the side, warnings."""
     heads = count_text(len(muscle.heads), 'head')
     yield f'{muscle.name}: {count_text(len(muscle.band_names), "band")}, {heads}'
-    yield muscle.source
-    yield f'licence: {muscle.licence or "not stated"}'
+    yield escape_controls(muscle.source)
+    yield f'licence: {escape_controls(muscle.licence) or "not stated"}'
     yield 'right shoulder; x lateral, y anterior, z superior; lengths in mm, angles in rad'
     yield from sphere_lines(muscle)
     yield ''

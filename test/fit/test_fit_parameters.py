@@ -169,6 +169,21 @@ def test_a_bound_that_leaves_the_start_out_is_a_fault(free: str, bound: str, sai
         build_space(DELTOID, [free], [Bound.from_text(f'{free}={bound}')])
 
 
+@pytest.mark.parametrize(
+    ('free', 'bound'),
+    [
+        ('sphere.radius', '0:10000'),
+        ('origin.x', '+-1e9'),
+        ('plane_angle', '-20:20'),
+        ('sphere.ground_point', '-1e5:1e5'),
+        ('humeral_point', '1:1e4'),
+    ],
+)
+def test_a_bound_beyond_what_a_model_may_have_is_a_fault(free: str, bound: str) -> None:
+    with pytest.raises(ValueError, match=r'less than 1.* expected: the limit of a model'):
+        build_space(DELTOID, [free], [Bound.from_text(f'{free}={bound}')])
+
+
 def test_hm_belongs_to_the_sphere() -> None:
     for pattern in ('humeral_point', 'sphere.humeral_point'):
         assert choose_places(DELTOID, [pattern]) == ['humeral_point']

@@ -125,6 +125,8 @@ TIP = {'from': 'acromion', 'to': 'spinal_end', 'length': 13.0}
         ({'distances': [{**TIP, 'to': 'tuberosity'}]}, "'tuberosity' given; another landmark on t"),
         ({'distances': [{**TIP, 'length': 130.0}]}, "scapula: 10.3 times the model's size"),
         ({'distances': [{**TIP, 'length': -13.0}]}, "scapula: -1.03 times the model's size"),
+        ({'distances': [{**TIP, 'length': 1e300}]}, 'distances: 1e[+]300 given, less than 10 m'),
+        ({'points': {'acromion': [1e4, 0, 0]}}, 'points: 10000 given, less than 10 m expected'),
         ({'points': {'acromion': [0, 0, 0]}}, "scapula: 0 times the model's size"),
         ({'units': None}, 'units: missing'),
         ({'units': {'length': 'inch'}}, 'm, cm, mm expected'),

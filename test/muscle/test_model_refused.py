@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One line for every way a model file can be wrong."""
 
+import copy
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,18 @@ def test_a_wrong_value_is_named_with_its_file_key_and_reason(
     assert reason in message
 
 
-@pytest.mark.parametrize('text', ['hello', 'one', 'e', '1e', '1 000'])
+@pytest.mark.parametrize('text', ['1e-3', '-2.5E3', '5.e2', '.5e2', '1e5'])
+def test_a_single_number_is_told_how_yaml_writes_it(
+    text: str, content: Content, write: Write
+) -> None:
+    for key in ('sphere.radius', 'interference_spheres.sphere_4.radius', 'bands.s.first'):
+        path = write(yaml.safe_dump(spoil(copy.deepcopy(content), key, text)))
+        assert refusal(path).endswith(' given; write 1.0e-3, not 1e-3')
+
+
+@pytest.mark.parametrize(
+    'text', ['hello', 'one', 'e', '1e', '1 000', '...e3', '1.2.3e4', 'e5', '1e-', '٣e3']
+)
 def test_only_a_number_is_told_how_yaml_writes_it(
     text: str, content: Content, write: Write
 ) -> None:

@@ -227,3 +227,25 @@ def test_a_field_error_crosses_processes() -> None:
     error = FieldError('radius', '-1 given, > 0 expected', 'interference sphere ball')
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
     assert str(error) == 'interference sphere ball: radius: -1 given, > 0 expected'
+
+
+@pytest.mark.parametrize(
+    ('field', 'value', 'given'),
+    [
+        ('origins', DELTOID.origins + 10.0, 'm given at'),
+        ('insertions', DELTOID.insertions - 1e9, r'm given at \[0, 0\]'),
+        ('sphere_centres', DELTOID.sphere_centres * 1e3, 'm given at'),
+        ('sphere_radii', np.full(9, 10.0), r'10 m given at \[0\]'),
+        ('ground_point', (0.0, 11.0, 0.0), r'11 m given at \[1\]'),
+        ('humeral_point', (0.0, 0.0, -10.0), r'-10 m given at \[2\]'),
+        ('interference_centres', np.full((3, 3), 1e6), '1e[+]06 m given'),
+        ('interference_radii', np.full(3, 1e6), '1e[+]06 m given'),
+        ('plane_angles', np.full(9, -10.0), '-10 rad given'),
+        ('range_of_motion', ((0.0, 90.0), (0.0, 1.0), (0.0, 1.0)), r'90 rad given at \[1\]'),
+        ('landmarks', (Landmark('tip', 'scapula', (0.0, 10.0, 0.0)),), '10 m given'),
+    ],
+)
+def test_numbers_of_ten_metres_or_radians_are_refused(field: str, value: Any, given: str) -> None:
+    expected = rf'^{field}.*: .*{given}.*, less than 10 (m|rad) expected; another unit\?$'
+    with pytest.raises(ModelError, match=expected):
+        replace(DELTOID, **{field: value})
