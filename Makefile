@@ -43,10 +43,11 @@ bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node 
 	@$(BIN)/python bench/bench.py
 
 SECONDS ?= 300
-soak: .venv/.made  ## read damaged bags and tables; feed the node at 1 kHz for five minutes
+soak: .venv/.made  ## read damaged bags and tables; feed the node for five minutes; storm and flood it
 	@$(BIN)/python bench/bag_fuzz.py
 	@$(BIN)/python bench/table_fuzz.py
 	@$(BIN)/python bench/soak.py $(SECONDS)
+	@$(BIN)/python bench/storm.py
 
 # NumPy for Python 3.10 has other, looser types.
 OLD_NUMPY := import sys; sys.exit(sys.version_info >= (3, 11))
