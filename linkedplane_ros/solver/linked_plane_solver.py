@@ -18,22 +18,17 @@ import numpy.typing as npt
 
 from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JointConvention, as_triple
-from ..joints.rotations import FAULTS, as_matrices, as_matrix
+from ..joints.rotations import as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats
 from .batches import run_kernel
-from .kernels import NO_PLANE, SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
+from .faults import explain_fault
+from .kernels import SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
 from .over_bones import answer_by_steps, solve_last_bone, solve_over_bones
 from .packing import pack_broad_muscle
 from .poses import Pose, pack_pose_batch, pack_poses
 from .states import Answer, MuscleState, MuscleStates
-
-NO_PLANE_REASON = (
-    'band {} has no plane at this pose: it ends where it begins, or the normal before it runs '
-    'along its line'
-)
-NO_FRAME_REASON = ', or its sphere has no frame: HM lies in line with its origin and SC'
 
 
 class LinkedPlaneSolver:
@@ -256,7 +251,7 @@ class LinkedPlaneSolver:
             lengthening,
         )
         if fault != SOLVED:
-            raise LinkedPlaneError(self.explain_fault(fault, band))
+            raise LinkedPlaneError(explain_fault(self.muscle, fault, band))
         vectors = moments.reshape(n, 3)
         state = MuscleState(theta.item(), lengths[0], vectors, wrap[0], rotation[0], self)
         return Answer(state, arms, lengthening, axes)
@@ -271,18 +266,10 @@ class LinkedPlaneSolver:
         filled = theta, lengths, moments.reshape(m, 3 * n), wrap
         k, fault, band = run_kernel(solve_poses, (self._flat, self.neutral), rotations, filled)
         if fault != SOLVED:
-            raise LinkedPlaneError(f'{name.format(k)}: {self.explain_fault(fault, band)}')
+            raise LinkedPlaneError(f'{name.format(k)}: {explain_fault(self.muscle, fault, band)}')
         if self.side == 'left':
             moments = mirror_axes(moments)
         return theta, lengths, moments, wrap
-
-    def explain_fault(self, fault: int, band: int) -> str:
-        """Return why a pose has no answer; `band` is the one that has no plane."""
-        if fault != NO_PLANE:
-            return FAULTS[fault]
-        moving = self.muscle.sphere_frames[band] == 'moving'
-        reason = NO_PLANE_REASON.format(self.muscle.band_names[band])
-        return reason + NO_FRAME_REASON if moving else reason
 
     def draw_bands(
         self, state: MuscleState | MuscleStates, points: int
