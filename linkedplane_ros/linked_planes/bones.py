@@ -33,7 +33,7 @@ from .vectors import ZERO, Rotation, Vector, cross, dot, minus, mix, plus, times
 REST: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-class Motion(NamedTuple):
+class BoneMotion(NamedTuple):
     """A turn or a slide of one bone, and what of a placed muscle it may take along."""
 
     bone: int
@@ -90,14 +90,14 @@ def place_muscle(muscle: Muscle, poses: Any) -> Muscle:
 
 
 @compiled
-def motion_of(placed: Muscle, bone: int, slides: bool) -> Motion:
+def bone_motion(placed: Muscle, bone: int, slides: bool) -> BoneMotion:
     """Return a turn of a bone about the ground's axes, or a slide of it."""
     N_bone, SC_bone, HM_bone = point_bones(placed)
-    return Motion(bone, slides, N_bone, SC_bone, HM_bone, vector(placed, GROUND_POINT))
+    return BoneMotion(bone, slides, N_bone, SC_bone, HM_bone, vector(placed, GROUND_POINT))
 
 
 @compiled
-def moves(motion: Motion, bone: int, x: Vector, f: Vector) -> Vector:
+def moves(motion: BoneMotion, bone: int, x: Vector, f: Vector) -> Vector:
     """Return d(f.x) for a fixed f and a point x of a bone: x cross f of a turn, f of a slide."""
     if bone != motion.bone:
         return ZERO
@@ -111,14 +111,14 @@ def origin_point(band: Band) -> Vector:
 
 
 @compiled
-def line_moves(motion: Motion, band: Band, f: Vector) -> Vector:
+def line_moves(motion: BoneMotion, band: Band, f: Vector) -> Vector:
     """Return d(f.(S - P)) for a fixed f."""
     ahead = moves(motion, band.insertion_bone, band.S, f)
     return minus(ahead, moves(motion, band.origin_bone, origin_point(band), f))
 
 
 @compiled
-def centre_moves(motion: Motion, band: Band, HM: Vector, f: Vector) -> Vector:
+def centre_moves(motion: BoneMotion, band: Band, HM: Vector, f: Vector) -> Vector:
     """Return d(f.(C - P)) for a fixed f, C the sphere's centre.
 
     A moving frame turns with its x axis, from P to HM, and about it, with SC.
@@ -140,7 +140,7 @@ def centre_moves(motion: Motion, band: Band, HM: Vector, f: Vector) -> Vector:
 
 
 @compiled
-def normal_moves(motion: Motion, N: Vector, f: Vector) -> Vector:
+def normal_moves(motion: BoneMotion, N: Vector, f: Vector) -> Vector:
     """Return d(f.N) for a fixed f: a direction turns with its bone, and does not slide."""
     if motion.slides:
         return ZERO

@@ -13,7 +13,7 @@ domega is that turn or slide.
 from math import cos, sin
 
 from .band import WRAPPED, length_by_plane, wrap
-from .bones import Motion, centre_moves, line_moves, normal_moves
+from .bones import BoneMotion, centre_moves, line_moves, normal_moves
 from .chain import Band, plane_at, state_at
 from .compilation import compiled
 from .layout import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Muscle, vector
@@ -34,7 +34,7 @@ from .vectors import (
 
 
 @compiled
-def ends_move(band: Band, motion: Motion | None, f: Vector) -> Vector:
+def ends_move(band: Band, motion: BoneMotion | None, f: Vector) -> Vector:
     """Return d(f.(S - P))/domega for a fixed f: S turns with the humerus."""
     if motion is None:
         return cross(band.S, f)
@@ -42,13 +42,13 @@ def ends_move(band: Band, motion: Motion | None, f: Vector) -> Vector:
 
 
 @compiled
-def tilt(band: Band, motion: Motion | None, x: Vector) -> Vector:
+def tilt(band: Band, motion: BoneMotion | None, x: Vector) -> Vector:
     """Return d(u.x)/domega for a fixed x across the line: u turns as its ends move."""
     return times(1.0 / band.section.D, ends_move(band, motion, x))
 
 
 @compiled
-def sphere_moves(band: Band, HM: Vector, motion: Motion | None, f: Vector) -> Vector:
+def sphere_moves(band: Band, HM: Vector, motion: BoneMotion | None, f: Vector) -> Vector:
     """Return d(f.(C - P))/domega for a fixed f: the sphere's frame turns with HM (thesis ch. 5).
 
     A sphere on the humerus turns with it, one on the ground stands still.
@@ -66,7 +66,7 @@ def sphere_moves(band: Band, HM: Vector, motion: Motion | None, f: Vector) -> Ve
 
 
 @compiled
-def first_turn(band: Band, motion: Motion | None, N: Vector) -> Vector:
+def first_turn(band: Band, motion: BoneMotion | None, N: Vector) -> Vector:
     """Return dpsi/domega of the first band's plane, which follows the reference normal N."""
     uN = cross(band.u, N)
     W = times(-dot(N, band.u) / dot(uN, uN), tilt(band, motion, uN))
@@ -77,7 +77,7 @@ def first_turn(band: Band, motion: Motion | None, N: Vector) -> Vector:
 
 @compiled
 def next_turn(
-    W: Vector, dW: Vector, J: float, n: Vector, last: Band, band: Band, motion: Motion | None
+    W: Vector, dW: Vector, J: float, n: Vector, last: Band, band: Band, motion: BoneMotion | None
 ) -> tuple[Vector, Vector]:
     """Return dpsi/domega of a band's plane, at a fixed theta, and its prime.
 
@@ -100,7 +100,7 @@ def next_turn(
 @compiled
 def pull(
     band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
-    dW: Vector, motion: Motion | None,
+    dW: Vector, motion: BoneMotion | None,
 ) -> tuple[float, float, float, Vector, Vector]:  # fmt: skip
     """Return a wrapped band's L (m), dL/dpsi, d2L/dpsi2 and, at fixed theta, dL/domega, its prime.
 
@@ -136,7 +136,7 @@ def pull(
 @compiled
 def edge_follows(
     band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
-    motion: Motion | None,
+    motion: BoneMotion | None,
 ) -> Vector:  # fmt: skip
     """Return dtheta/domega where theta keeps a band at the edge of its sphere: d, or b, stays."""
     d, b, J, _ = plane
@@ -157,7 +157,7 @@ def muscle_state(
     lengths: list[float],
     moments: list[float],
     states: list[int],
-    motion: Motion | None,
+    motion: BoneMotion | None,
 ) -> None:
     """Fill in lengths (n, m), moment vectors (3 n, m, ground axes) and wrap states (n).
 

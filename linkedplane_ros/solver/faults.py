@@ -14,7 +14,7 @@ NO_PLANE_REASON = (
 NO_FRAME_REASON = ', or its sphere has no frame: HM lies in line with its origin and SC'
 
 
-def explain_fault(muscle: BroadMuscle, fault: int, band: int) -> str:
+def describe_pose_fault(muscle: BroadMuscle, fault: int, band: int) -> str:
     """Return what a kernel's fault means; `band` is the one that has no plane."""
     if fault != NO_PLANE:
         return FAULTS[fault]

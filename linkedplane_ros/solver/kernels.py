@@ -9,7 +9,7 @@ from typing import Any
 from ..joints.conventions import turn_in_sequence
 from ..joints.rotations import NOT_FINITE, PROPER, matrix_rows, rotation_fault
 from ..linked_planes.band import WRAPPED, wrap
-from ..linked_planes.bones import REST, motion_of, place_muscle, posed_rows
+from ..linked_planes.bones import REST, bone_motion, place_muscle, posed_rows
 from ..linked_planes.chain import bands_at, plane_at
 from ..linked_planes.compilation import compiled, entry
 from ..linked_planes.layout import Muscle, band_count, band_vectors
@@ -84,7 +84,7 @@ def solve_bone_poses(
         theta, held = solve_theta(bands, neutral)
         thetas[j] = theta
         for k in range(2 * bones):
-            motion = motion_of(placed, k // 2 + 1, k % 2 == 1)
+            motion = bone_motion(placed, k // 2 + 1, k % 2 == 1)
             filled = lengths[j], wrenches[j][k], states[j]
             muscle_state(placed, REST, bands, theta, held, *filled, motion)
     return stop, SOLVED, 0

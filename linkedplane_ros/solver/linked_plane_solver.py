@@ -23,7 +23,7 @@ from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
 from ..muscle.broad_muscle import BroadMuscle
 from ..types import Bytes, Floats
 from .batches import run_kernel
-from .faults import explain_fault
+from .faults import describe_pose_fault
 from .kernels import SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
 from .over_bones import answer_by_steps, solve_last_bone, solve_over_bones
 from .packing import pack_broad_muscle
@@ -251,7 +251,7 @@ class LinkedPlaneSolver:
             lengthening,
         )
         if fault != SOLVED:
-            raise LinkedPlaneError(explain_fault(self.muscle, fault, band))
+            raise LinkedPlaneError(describe_pose_fault(self.muscle, fault, band))
         vectors = moments.reshape(n, 3)
         state = MuscleState(theta.item(), lengths[0], vectors, wrap[0], rotation[0], self)
         return Answer(state, arms, lengthening, axes)
@@ -266,7 +266,9 @@ class LinkedPlaneSolver:
         filled = theta, lengths, moments.reshape(m, 3 * n), wrap
         k, fault, band = run_kernel(solve_poses, (self._flat, self.neutral), rotations, filled)
         if fault != SOLVED:
-            raise LinkedPlaneError(f'{name.format(k)}: {explain_fault(self.muscle, fault, band)}')
+            raise LinkedPlaneError(
+                f'{name.format(k)}: {describe_pose_fault(self.muscle, fault, band)}'
+            )
         if self.side == 'left':
             moments = mirror_axes(moments)
         return theta, lengths, moments, wrap

@@ -14,7 +14,7 @@ from ..joints.rotations import FAULTS, PROPER, matrix_rows, rotation_fault
 from ..joints.sides import mirror_axes, mirror_points
 from ..types import Floats
 from .batches import run_kernel
-from .faults import explain_fault
+from .faults import describe_pose_fault
 from .kernels import NO_PLANE, SOLVED, solve_bone_poses
 from .poses import rotated_poses
 from .results import PosedBones
@@ -35,7 +35,7 @@ def solve_over_bones(solver: LinkedPlaneSolver, poses: Floats, index: str) -> Mu
     j, fault, number = run_kernel(solve_bone_poses, given, poses, (theta, lengths, filled, wrap))
     if fault != SOLVED:
         where = 'bones' if fault == NO_PLANE else solver.bones[number]
-        reason = explain_fault(solver.muscle, fault, number)
+        reason = describe_pose_fault(solver.muscle, fault, number)
         raise LinkedPlaneError(f'{where}{index.format(j)}: {reason}')
     moments, forces = np.moveaxis(filled.reshape(m, k, 2, n, 3), 2, 0)
     if solver.side == 'left':
