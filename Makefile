@@ -43,7 +43,10 @@ bench: .venv/.rivals  ## measure the solver beside MuJoCo and OpenSim, the node 
 	@$(BIN)/python bench/bench.py
 
 SECONDS ?= 300
-soak: .venv/.made  ## read damaged bags and tables; feed the node for five minutes; storm and flood it
+POSES ?= 1000000
+soak: .venv/.made  ## solve wild muscles; read damaged bags and tables; feed, storm and flood the node
+	@$(BIN)/python bench/wild.py $(POSES)
+	@$(BIN)/python bench/moments.py $(POSES)
 	@$(BIN)/python bench/bag_fuzz.py
 	@$(BIN)/python bench/table_fuzz.py
 	@$(BIN)/python bench/soak.py $(SECONDS)

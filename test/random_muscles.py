@@ -89,3 +89,50 @@ def random_muscle_in_frames(seed: int, frame: str) -> tuple[BroadMuscle, Array]:
         sphere_radii=np.where(moving, 1.0, 1.6) * muscle.sphere_radii,
     )
     return fixed, rotations
+
+
+def wild_muscle(seed: int, poses: int) -> tuple[BroadMuscle, Array]:
+    """Return a muscle whose planes turn anything but evenly with theta, and rotations.
+
+    Its lines run across each other: for some theta a plane's normal nearly runs along the next
+    line. Where they are at right angles to the bit, as in one of eight, it does so exactly.
+    """
+    muscle, _ = random_muscle_in_frames(seed, ('moving', 'ground', 'humerus', 'mixed')[seed % 4])
+    rng = np.random.default_rng((seed, 1))
+    n = len(muscle.band_names)
+    rotations = Rotation.random(poses, rng).as_matrix()
+    wild = replace(
+        muscle,
+        origins=muscle.origins * rng.uniform(0.5, 2.0, (n, 1)),
+        insertions=rng.uniform(-0.1, 0.1, (n, 3)),
+        plane_angles=rng.uniform(-np.pi, np.pi, n),
+    )
+    if seed % 8 >= 2:
+        return wild, rotations
+    axes = np.eye(3)[np.arange(n) % 3]
+    lines = 0.1 * axes
+    origins = rng.uniform(-0.05, 0.05, (n, 3)).round(2)
+    fixed = replace(
+        wild,
+        sphere_frame='ground',
+        origins=origins,
+        insertions=origins + lines,
+        sphere_centres=origins + 0.5 * lines + rng.uniform(-0.03, 0.03, (n, 3)),
+        plane_angles=np.where(rng.random(n) < 0.5, 0.0, wild.plane_angles),
+        reference_normal=np.array([0.0, 0.0, 1.0]),
+    )
+    angles = rng.normal(size=(poses, 3)) * 10.0 ** rng.uniform(-17.0, -1.0, (poses, 1))
+    return fixed, Rotation.from_rotvec(angles).as_matrix()
+
+
+def length_bounds(muscle: BroadMuscle, rotations: Array) -> tuple[Array, Array]:
+    """Return the straight lines' lengths (m, n), and the tangents' with a whole turn round."""
+    ends = np.einsum('mij,nj->mni', rotations, muscle.insertions)
+    centres = reference.sphere_centres(muscle, rotations)
+    lines = np.linalg.norm(ends - muscle.origins, axis=2)
+    tangents = [
+        np.sqrt(np.maximum(((centres - each) ** 2).sum(axis=2) - muscle.sphere_radii**2, 0.0))
+        for each in (muscle.origins, ends)
+    ]
+    longest = tangents[0] + tangents[1] + 2.0 * np.pi * muscle.sphere_radii
+    return lines, np.maximum(lines, longest)

@@ -152,7 +152,7 @@ def evaluate(
         for i in range(n):
             band = bands[i]
             d, b, _, _ = plane_at(band.section, c, s)
-            states[j, i] = state_at(band.section, d, b, i == held)
+            states[j, i] = state_at(band.section, d, b, i, held)
             path = band_path(band, c, s, states[j, i])
             depths[j, i] = depth_in_spheres(path, spheres)
             insides[j, i] = end_depth(band)

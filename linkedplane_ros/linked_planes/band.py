@@ -16,19 +16,20 @@ WRAPPED, CLEAR, MISSED, INSIDE = 0, 1, 2, 3
 
 PIERCED = 4  # the line runs through the sphere: the band wraps it in every plane
 BESIDE = 5  # the line passes the sphere: the band wraps it only in planes that bulge over it
+EXTENDED = 6  # the line's extension meets the sphere: every plane cuts it, those with b > 0 wrap it
 
 
 @compiled
 def obstacle_kind(D: float, a: float, rho2: float, R: float) -> int:
-    """Return how a band's line and its sphere meet: PIERCED, BESIDE or INSIDE.
+    """Return how a band's line and its sphere meet: PIERCED, BESIDE, EXTENDED or INSIDE.
 
     D, a in m; rho2 the squared distance (m^2) of the sphere's centre from the line; R in m.
     """
     if a * a + rho2 < R * R or (D - a) * (D - a) + rho2 < R * R:
         return INSIDE
-    if rho2 < R * R and 0.0 < a < D:
-        return PIERCED
-    return BESIDE
+    if 0.0 < a < D:
+        return PIERCED if rho2 < R * R else BESIDE
+    return BESIDE if rho2 > R * R else EXTENDED
 
 
 @compiled
@@ -42,7 +43,7 @@ def wrap_state(kind: int, R: float, d: float, b: float) -> int:
         return WRAPPED
     if kind == INSIDE:
         return INSIDE
-    if abs(d) >= R:
+    if kind == BESIDE and abs(d) >= R:
         return MISSED
     return WRAPPED if b > 0.0 else CLEAR
 
@@ -66,8 +67,8 @@ def wrap(
     t2u = ((D - a) * tS - b * r) * near_S
     t2e = -((D - a) * r + b * tS) * near_S
     arc = atan2(t1e * t2u - t1u * t2e, t1u * t2u + t1e * t2e)
-    if arc < 0.0:
-        arc += 2.0 * pi
+    if arc < 0.0:  # with b <= 0 no more than rounding, where the line just pierces the sphere
+        arc = arc + 2.0 * pi if b > 0.0 else 0.0
     return r, arc, t1u, t1e, t2u, t2e
 
 

@@ -8,7 +8,18 @@ two vectors that depend only on the pose, so the chain of planes is built once p
 from math import cos, sin, sqrt
 from typing import NamedTuple
 
-from .band import CLEAR, MISSED, PIERCED, WRAPPED, length_by_plane, obstacle_kind, wrap, wrap_state
+from .band import (
+    BESIDE,
+    CLEAR,
+    EXTENDED,
+    MISSED,
+    PIERCED,
+    WRAPPED,
+    length_by_plane,
+    obstacle_kind,
+    wrap,
+    wrap_state,
+)
 from .compilation import compiled
 from .layout import (
     GROUND_POINT,
@@ -24,6 +35,9 @@ from .layout import (
     vector,
 )
 from .vectors import ZERO, Rotation, Vector, blend, cross, dot, minus, mix, norm, times, turned
+
+ROUNDING = 1e-12  # of a radius: how well the numbers of a pose tell where an edge is
+VANISHING = 1e-14  # of |A|^2 + |B|^2: a smaller normal, squared, has no direction
 
 
 class Section(NamedTuple):
@@ -42,7 +56,7 @@ class Section(NamedTuple):
     AB: float
     BB: float
     kappa: float  # (A x B).u: how fast the plane turns with theta
-    kind: int  # PIERCED, BESIDE or INSIDE
+    kind: int  # PIERCED, BESIDE, EXTENDED or INSIDE
 
 
 class Band(NamedTuple):
@@ -162,10 +176,33 @@ def plane_at(section: Section, c: float, s: float) -> tuple[float, float, float,
 
 
 @compiled
-def state_at(section: Section, d: float, b: float, held: bool) -> int:
-    """Return the wrap state of a band; `held` keeps it just outside its sphere's edge."""
-    if held:
-        return MISSED if abs(d) > (1.0 - 1e-6) * section.R else CLEAR
+def planes_exist(bands: list[Band], c: float, s: float) -> bool:
+    """Return whether every plane's normal has a direction at theta, given its cosine and sine."""
+    for i in range(len(bands)):
+        _, _, _, _, _, _, _, _, _, AA, AB, BB, _, _ = bands[i].section
+        if AA * c * c + 2.0 * AB * c * s + BB * s * s < VANISHING * (AA + BB):
+            return False
+    return True
+
+
+@compiled
+def meets_edge(section: Section, d: float, b: float) -> bool:
+    """Return whether a plane is, to rounding, at an edge: where the band begins to wrap."""
+    near = ROUNDING * section.R
+    if section.kind == BESIDE:
+        return abs(abs(d) - section.R) <= near and b > -near
+    return section.kind == EXTENDED and abs(b) <= near
+
+
+@compiled
+def state_at(section: Section, d: float, b: float, i: int, held: int) -> int:
+    """Return the wrap state of the i-th band.
+
+    `held` is the band that theta keeps just outside its sphere's edge, -1 for none; bands whose
+    edge is there as well are kept outside with it.
+    """
+    if i == held or (held >= 0 and meets_edge(section, d, b)):
+        return MISSED if section.kind == BESIDE else CLEAR
     return wrap_state(section.kind, section.R, d, b)
 
 
@@ -183,7 +220,7 @@ def energy(bands: list[Band], theta: float, pierced: bool, held: int) -> tuple[f
         if pierced and section.kind != PIERCED:
             continue
         d, b, J, dJ = plane_at(section, c, s)
-        if not pierced and state_at(section, d, b, i == held) != WRAPPED:
+        if not pierced and state_at(section, d, b, i, held) != WRAPPED:
             E += section.D
             continue
         r, arc, t1u, t1e, t2u, t2e = wrap(

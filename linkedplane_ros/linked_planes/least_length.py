@@ -1,66 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
 """The angle theta that makes the muscle shortest, found for each pose by itself (thesis App. D)."""
 
-from math import acos, atan, atan2, ceil, cos, hypot, inf, pi, sin, sqrt
+from math import atan, atan2, cos, inf, pi, sin
 
-from .band import BESIDE, PIERCED, WRAPPED, wrap_state
-from .chain import Band, Section, energy, plane_at
+from .band import INSIDE, PIERCED, WRAPPED
+from .chain import Band, Section, energy, meets_edge, plane_at, planes_exist, state_at
 from .compilation import compiled
+from .whole_circle import (
+    EVEN,
+    descend,
+    edges,
+    search_circle,
+    slackest,
+    unevenness,
+    wrapped_angle,
+)
 
-LAST_STEP = 1e-7  # rad: a Newton step this small leaves an error of about its square
-EVEN = 2.0  # a plane's fastest turn with theta over its slowest, up to which it turns evenly
-EDGE = 1e-9  # rad: how near to a jump E is computed
-EVEN_STEPS, CIRCLE_STEPS = 12, 360  # samples of a circle: pierced bands that turn evenly; others
+EVEN_STEPS = 12  # samples of a circle for pierced bands that turn evenly
 
 
 @compiled
 def others_straight(bands: list[Band], theta: float, held: int) -> bool:
-    """Return whether every band that does not pierce its sphere is straight at theta."""
+    """Return whether every band that does not pierce its sphere is straight at theta.
+
+    And all have a plane there.
+    """
     c, s = cos(theta), sin(theta)
     for i in range(len(bands)):
         section = bands[i].section
-        if section.kind == BESIDE and i != held:
+        if section.kind != PIERCED and section.kind != INSIDE:
             d, b, _, _ = plane_at(section, c, s)
-            if wrap_state(BESIDE, section.R, d, b) == WRAPPED:
+            if state_at(section, d, b, i, held) == WRAPPED:
                 return False
-    return True
-
-
-@compiled
-def wrapped_angle(angle: float) -> float:
-    """Return the angle in (-pi, pi]."""
-    turns = ceil((angle - pi) / (2.0 * pi))
-    return angle - 2.0 * pi * turns
-
-
-@compiled
-def descend(bands: list[Band], low: float, start: float, high: float, pierced: bool) -> float:
-    """Return the theta of least length between low, where E falls, and high, where it rises."""
-    theta = start
-    for _ in range(100):
-        _, dE, ddE = energy(bands, theta, pierced, -1)
-        if dE > 0.0:
-            high = theta
-        else:
-            low = theta
-        step = -dE / ddE if ddE > 0.0 else inf
-        if not low <= theta + step <= high:
-            step = 0.5 * (low + high) - theta
-        theta += step
-        if abs(step) < LAST_STEP:
-            break
-    return theta
-
-
-@compiled
-def slackest(section: Section) -> tuple[float, float]:
-    """Return (cos, sin) of the theta at which a pierced band is shortest: d = 0, b < 0."""
-    c, s = section.dB, -section.dA
-    size = sqrt(c * c + s * s)
-    if size == 0.0:
-        return 1.0, 0.0
-    k = 1.0 / size if section.bA * c + section.bB * s <= 0.0 else -1.0 / size
-    return k * c, k * s
+            if held < 0 and meets_edge(section, d, b):
+                return False
+    return planes_exist(bands, c, s)
 
 
 @compiled
@@ -74,85 +48,6 @@ def stiffness(section: Section, c: float, s: float) -> float:
     t1e = (section.a * R + b * section.tP) / (section.a * section.a + b * b)
     t2e = -(over * R + b * section.tS) / (over * over + b * b)
     return -b * (1.0 + b / R) * (t1e - t2e) * J * J
-
-
-@compiled
-def least(bands: list[Band], theta: float, held: int, best: tuple[float, float, int], neutral: float
-          ) -> tuple[float, float, int]:  # fmt: skip
-    """Return the better of two candidates (E, theta, held): the shorter, then nearest neutral."""
-    E = energy(bands, theta, False, held)[0]
-    nearer = abs(wrapped_angle(theta - neutral)) < abs(wrapped_angle(best[1] - neutral))
-    if E < best[0] or (E == best[0] and nearer):
-        return E, theta, held
-    return best
-
-
-@compiled
-def edges(band: Section) -> list[float]:
-    """Return the thetas at which a band starts or ceases to touch the sphere that it passes."""
-    found: list[float] = []
-    if band.kind != BESIDE:
-        return found
-    # |d| = R: a quadratic form in (cos, sin), solved by the double angle
-    R2 = band.R * band.R
-    m11 = band.dA * band.dA - R2 * band.AA
-    m12 = band.dA * band.dB - R2 * band.AB
-    m22 = band.dB * band.dB - R2 * band.BB
-    swing = hypot(0.5 * (m11 - m22), m12)
-    if abs(m11 + m22) < 2.0 * swing:
-        middle = atan2(m12, 0.5 * (m11 - m22))
-        half = acos(-0.5 * (m11 + m22) / swing)
-        for double in (middle - half, middle + half):
-            for theta in (0.5 * double, 0.5 * double + pi):
-                if band.bA * cos(theta) + band.bB * sin(theta) > 0.0:
-                    found.append(wrapped_angle(theta))
-    else:  # the line's extension runs through the sphere: the band jumps over it at b = 0
-        theta = atan2(-band.bA, band.bB)
-        found.append(wrapped_angle(theta))
-        found.append(wrapped_angle(theta + pi))
-    return found
-
-
-@compiled
-def search_circle(bands: list[Band], neutral: float) -> tuple[float, int]:
-    """Return the theta of least length on the whole circle, and the band at its sphere's edge.
-
-    Between the edges E is smooth: each stretch is searched for the places where dE/dtheta rises
-    through zero; the edges themselves are candidates, as E jumps there. The stretches are short
-    where E bends sharply: at an edge, and about the shortest plane of a band that turns fast.
-    """
-    nodes = [neutral]
-    best = (energy(bands, neutral, False, -1)[0], neutral, -1)
-    for i in range(len(bands)):
-        section = bands[i].section
-        if section.kind == PIERCED:
-            c, s = slackest(section)
-            shortest = atan2(s, c)
-            nodes.append(shortest)
-            away = 0.2 / unevenness(section)
-            while away < 2.0 * pi / CIRCLE_STEPS:
-                nodes.append(wrapped_angle(shortest - away))
-                nodes.append(wrapped_angle(shortest + away))
-                away *= 2.0
-        for theta in edges(section):
-            away = EDGE
-            while away < 2.0 * pi / CIRCLE_STEPS:
-                nodes.append(wrapped_angle(theta - away))
-                nodes.append(wrapped_angle(theta + away))
-                away *= 4.0
-            best = least(bands, theta, i, best, neutral)
-    for k in range(CIRCLE_STEPS):
-        nodes.append(-pi + 2.0 * pi * k / CIRCLE_STEPS)
-    nodes.sort()
-    nodes.append(nodes[0] + 2.0 * pi)
-    for k in range(len(nodes) - 1):
-        low, high = nodes[k], nodes[k + 1]
-        if high - low <= 3.0 * EDGE:
-            continue
-        if energy(bands, low, False, -1)[1] < 0.0 <= energy(bands, high, False, -1)[1]:
-            theta = descend(bands, low, 0.5 * (low + high), high, False)
-            best = least(bands, theta, -1, best, neutral)
-    return wrapped_angle(best[1]), best[2]
 
 
 @compiled
@@ -172,14 +67,6 @@ def settle(bands: list[Band], neutral: float) -> tuple[float, int]:
     if held < 0:
         return search_circle(bands, neutral)
     return wrapped_angle(neutral + nearest), held
-
-
-@compiled
-def unevenness(section: Section) -> float:
-    """Return how much faster a band's plane turns with theta at its fastest than at its slowest."""
-    mean = 0.5 * (section.AA + section.BB)
-    swing = hypot(0.5 * (section.AA - section.BB), section.AB)
-    return (mean + swing) / max(mean - swing, 1e-12)
 
 
 @compiled
@@ -240,10 +127,10 @@ def solve_theta(bands: list[Band], neutral: float) -> tuple[float, int]:
             weight = stiffness(section, c, s)
             cosine += weight * c
             sine += weight * s
-    if cosine == 0.0 and sine == 0.0:
-        return settle(bands, neutral)
     if not turn_evenly(bands):
         return search_circle(bands, neutral)
+    if cosine == 0.0 and sine == 0.0:
+        return settle(bands, neutral)
     guess = atan2(sine, cosine)
     low, high, together = 0.0, 0.0, True  # tangents of the pierced bands' own thetas from there
     for i in range(len(bands)):

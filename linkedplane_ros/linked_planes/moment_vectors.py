@@ -12,9 +12,9 @@ domega is that turn or slide.
 
 from math import cos, sin
 
-from .band import WRAPPED, length_by_plane, wrap
+from .band import EXTENDED, WRAPPED, length_by_plane, wrap
 from .bones import BoneMotion, centre_moves, line_moves, normal_moves
-from .chain import Band, plane_at, state_at
+from .chain import Band, Section, meets_edge, plane_at, state_at
 from .compilation import compiled
 from .layout import GROUND, HUMERAL_POINT, HUMERUS, NORMAL, Muscle, vector
 from .vectors import (
@@ -31,6 +31,11 @@ from .vectors import (
     times,
     turned,
 )
+
+RIM = 1e-6  # of a radius: how near to a touched rim the edge's place is lost to rounding
+STEADY = 1e-6  # rad: how far theta may be from the floor of its valley
+FLAT = 1e-12  # m/rad: slopes that are rounding
+SAME = 1e-6  # relative: derivatives that differ by less are the same
 
 
 @compiled
@@ -134,17 +139,39 @@ def pull(
 
 
 @compiled
+def touches_rim(section: Section, d: float, b: float) -> bool:
+    """Return whether a band at its edge touches the sphere's rim: both kinds of edge meet there."""
+    return abs(b) <= RIM * section.R and abs(d) >= (1.0 - RIM * RIM) * section.R
+
+
+@compiled
+def stands_at_edge(band: Band, plane: tuple[float, float, float, float], i: int, held: int) -> bool:
+    """Return whether theta keeps the i-th band at its edge: `held`, or another at the same edge."""
+    return i == held or meets_edge(band.section, plane[0], plane[1])
+
+
+@compiled
 def edge_follows(
     band: Band, HM: Vector, n: Vector, plane: tuple[float, float, float, float], W: Vector,
     motion: BoneMotion | None,
 ) -> Vector:  # fmt: skip
-    """Return dtheta/domega where theta keeps a band at the edge of its sphere: d, or b, stays."""
+    """Return dtheta/domega where theta keeps a band at the edge of its sphere: d, or b, stays.
+
+    Where the line touches the sphere's rim the place where d stays turns infinitely fast; that
+    where b stays is the edge of the lines that run into the sphere.
+    """
     d, b, J, _ = plane
-    if abs(d) < (1.0 - 1e-6) * band.section.R:  # the edge at b = 0: e for n, -d for b
+    if band.section.kind == EXTENDED or touches_rim(band.section, d, b):  # e for n, -d for b
         n, b = cross(band.u, n), -d
     tilted = times(band.section.a, tilt(band, motion, n))
     drift = minus(sphere_moves(band, HM, motion, n), tilted)
     return times(-1.0 / (b * J), plus(drift, times(b, W)))
+
+
+@compiled
+def differs(a: Vector, b: Vector) -> bool:
+    """Return whether two vectors differ by more than rounding."""
+    return norm(minus(a, b)) > SAME * (norm(a) + norm(b))
 
 
 @compiled
@@ -158,24 +185,31 @@ def muscle_state(
     moments: list[float],
     states: list[int],
     motion: BoneMotion | None,
-) -> None:
+) -> bool:
     """Fill in lengths (n, m), moment vectors (3 n, m, ground axes) and wrap states (n).
 
     For a slide of a bone: forces (3 n) in place of moment vectors.
+
+    Return whether theta's derivative is one-sided, and so those of the wrapped bands: at a corner
+    of two edges, where a valley ends at an edge, where a line touches its sphere's rim, and beside
+    a theta at which a plane vanishes: there the plane that turns fastest with theta stays.
     """
     HM = turned(rotation, vector(muscle, HUMERAL_POINT))
     c, s = cos(theta), sin(theta)
     Ett, Etw = 0.0, ZERO  # d2E/dtheta2 and d2E/dtheta domega
     follow = ZERO  # dtheta/domega
+    fastest, stays = 1.0, ZERO  # of the planes that turn faster than theta; dtheta to stop it
+    one_sided = False
     shared = [0.0] * len(bands)  # dL/dtheta
     turning = -1  # the last band whose plane's turn matters
     planes = [plane_at(band.section, c, s) for band in bands]
     for i in range(len(bands)):
         d, b, _, _ = planes[i]
-        states[i] = state_at(bands[i].section, d, b, i == held)
-        if states[i] == WRAPPED or i == held:
+        states[i] = state_at(bands[i].section, d, b, i, held)
+        if states[i] == WRAPPED or (held >= 0 and stands_at_edge(bands[i], planes[i], i, held)):
             turning = i
     last, n, J, W, dW = bands[0], ZERO, 1.0, ZERO, ZERO
+    first = True
     for i in range(len(bands)):
         band = bands[i]
         if i <= turning:
@@ -191,14 +225,30 @@ def muscle_state(
             shared[i] = Lpsi * J
             Ett += Lpsi2 * J * J + Lpsi * planes[i][3]
             Etw = plus(Etw, dg)
+            if abs(J) > fastest:
+                fastest, stays = abs(J), times(-1.0 / J, W)
         else:
             lengths[i] = band.section.D
             g = ends_move(band, motion, band.u)
-        if i == held:
-            follow = edge_follows(band, HM, n, planes[i], W, motion)
+        if held >= 0 and stands_at_edge(band, planes[i], i, held):
+            turn = edge_follows(band, HM, n, planes[i], W, motion)
+            one_sided = one_sided or touches_rim(band.section, planes[i][0], planes[i][1])
+            one_sided = one_sided or (not first and differs(turn, follow))
+            if first or i == held:
+                follow = turn
+            first = False
         moments[3 * i], moments[3 * i + 1], moments[3 * i + 2] = g
-    if held < 0 and Ett > 0.0:
+    slope, most = 0.0, 0.0  # dE/dtheta, and its largest part
+    for each in shared:
+        slope += each
+        most = max(most, abs(each))
+    if held >= 0:
+        one_sided = most > FLAT and (one_sided or abs(slope) <= SAME * most)
+    elif Ett > 0.0 and abs(slope) <= STEADY * Ett:
         follow = times(-1.0 / Ett, Etw)
+    elif most > FLAT:  # where a plane all but vanishes
+        one_sided, follow = True, stays
     for i in range(len(bands)):
         for k in range(3):
             moments[3 * i + k] = -(moments[3 * i + k] + shared[i] * follow[k])
+    return one_sided

@@ -24,6 +24,13 @@ Outcome = tuple[int, int, int]
 it stopped, SOLVED and 0."""
 
 
+@compiled
+def mark_wrapped(corner: bool, states: Any, marks: Any) -> None:
+    """Mark the bands whose derivative is one-sided with theta's: those that are wrapped."""
+    for i in range(len(states)):
+        marks[i] = corner and states[i] == WRAPPED
+
+
 @entry
 def solve_poses(
     muscle: Muscle,
@@ -35,6 +42,7 @@ def solve_poses(
     lengths: Any,
     moments: Any,
     states: Any,
+    one_sided: Any,
 ) -> Outcome:
     """Fill in the states of the poses from start to stop."""
     for k in range(start, stop):
@@ -47,7 +55,10 @@ def solve_poses(
             return k, NO_PLANE, len(bands)
         theta, held = solve_theta(bands, neutral)
         thetas[k] = theta
-        muscle_state(muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k], None)
+        corner = muscle_state(
+            muscle, rotation, bands, theta, held, lengths[k], moments[k], states[k], None
+        )
+        mark_wrapped(corner, states[k], one_sided[k])
     return stop, SOLVED, 0
 
 
@@ -62,6 +73,7 @@ def solve_bone_poses(
     lengths: Any,
     wrenches: Any,
     states: Any,
+    one_sided: Any,
 ) -> Outcome:
     """Fill in the states of the poses (m, k, 3, 4) of k bones that move, from start to stop.
 
@@ -83,10 +95,12 @@ def solve_bone_poses(
             return j, NO_PLANE, len(bands)
         theta, held = solve_theta(bands, neutral)
         thetas[j] = theta
+        corner = False
         for k in range(2 * bones):
             motion = bone_motion(placed, k // 2 + 1, k % 2 == 1)
             filled = lengths[j], wrenches[j][k], states[j]
-            muscle_state(placed, REST, bands, theta, held, *filled, motion)
+            corner |= muscle_state(placed, REST, bands, theta, held, *filled, motion)
+        mark_wrapped(corner, states[j], one_sided[j])
     return stop, SOLVED, 0
 
 
@@ -105,6 +119,7 @@ def answer(
     lengths: Any,
     moments: Any,
     states: Any,
+    one_sided: Any,
     arms: Any,
     lengthening: Any,
 ) -> Outcome:
@@ -114,7 +129,7 @@ def answer(
     AXIS_SIGN of the side.
     """
     turn_in_sequence(units, mix, angles, rotation[0], axes)
-    done = solve_poses(muscle, neutral, rotation, 0, 1, theta, lengths, moments, states)
+    done = solve_poses(muscle, neutral, rotation, 0, 1, theta, lengths, moments, states, one_sided)
     for j in range(3):
         axes[1, j] *= mirror
         axes[2, j] *= mirror

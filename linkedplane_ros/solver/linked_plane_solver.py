@@ -21,7 +21,7 @@ from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
 from ..muscle.broad_muscle import BroadMuscle
-from ..types import Bytes, Floats
+from ..types import Bools, Bytes, Floats
 from .batches import run_kernel
 from .faults import describe_pose_fault
 from .kernels import SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
@@ -122,8 +122,8 @@ class LinkedPlaneSolver:
         matrix = as_matrix(rotation)
         if not self._ball:
             return solve_last_bone(self, matrix[np.newaxis], 'rotation')[0]
-        theta, lengths, moments, wrap = self._solve(matrix[np.newaxis], 'rotation')
-        return MuscleState(float(theta[0]), lengths[0], moments[0], wrap[0], matrix, self)
+        theta, lengths, moments, wrap, sided = self._solve(matrix[np.newaxis], 'rotation')
+        return MuscleState(float(theta[0]), lengths[0], moments[0], wrap[0], sided[0], matrix, self)
 
     def solve_batch(self, rotations: npt.ArrayLike) -> MuscleStates:
         """Solve many poses; each answer is, to the bit, that of `solve`.
@@ -233,7 +233,8 @@ class LinkedPlaneSolver:
         n = len(self.muscle.band_names)
         rotation, axes, theta = np.empty((1, 3, 3)), np.empty((3, 3)), np.empty(1)
         lengths, moments, arms = np.empty((1, n)), np.empty((1, 3 * n)), np.empty((n, 3))
-        wrap, lengthening = np.empty((1, n), dtype=np.uint8), np.empty(n)
+        wrap, one_sided = np.empty((1, n), dtype=np.uint8), np.empty((1, n), dtype=bool)
+        lengthening = np.empty(n)
         _, fault, band = answer(
             self._flat,
             self.neutral,
@@ -247,23 +248,26 @@ class LinkedPlaneSolver:
             lengths,
             moments,
             wrap,
+            one_sided,
             arms,
             lengthening,
         )
         if fault != SOLVED:
             raise LinkedPlaneError(describe_pose_fault(self.muscle, fault, band))
         vectors = moments.reshape(n, 3)
-        state = MuscleState(theta.item(), lengths[0], vectors, wrap[0], rotation[0], self)
+        state = MuscleState(
+            theta.item(), lengths[0], vectors, wrap[0], one_sided[0], rotation[0], self
+        )
         return Answer(state, arms, lengthening, axes)
 
-    def _solve(self, rotations: Floats, name: str) -> tuple[Floats, Floats, Floats, Bytes]:
-        """Return theta (m,), lengths (m, n), moment vectors (m, n, 3) and wrap (m, n)."""
+    def _solve(self, rotations: Floats, name: str) -> tuple[Floats, Floats, Floats, Bytes, Bools]:
+        """Return theta (m,), lengths (m, n), moment vectors (m, n, 3), wrap, one_sided (m, n)."""
         m, n = len(rotations), len(self.muscle.band_names)
         theta = np.empty(m)
         lengths = np.empty((m, n))
         moments = np.empty((m, n, 3))
-        wrap = np.empty((m, n), dtype=np.uint8)
-        filled = theta, lengths, moments.reshape(m, 3 * n), wrap
+        wrap, one_sided = np.empty((m, n), dtype=np.uint8), np.empty((m, n), dtype=bool)
+        filled = theta, lengths, moments.reshape(m, 3 * n), wrap, one_sided
         k, fault, band = run_kernel(solve_poses, (self._flat, self.neutral), rotations, filled)
         if fault != SOLVED:
             raise LinkedPlaneError(
@@ -271,7 +275,7 @@ class LinkedPlaneSolver:
             )
         if self.side == 'left':
             moments = mirror_axes(moments)
-        return theta, lengths, moments, wrap
+        return theta, lengths, moments, wrap, one_sided
 
     def draw_bands(
         self, state: MuscleState | MuscleStates, points: int

@@ -30,9 +30,10 @@ def solve_over_bones(solver: LinkedPlaneSolver, poses: Floats, index: str) -> Mu
     n = len(solver.muscle.band_names)
     theta, lengths = np.empty(m), np.empty((m, n))
     filled = np.empty((m, 2 * k, 3 * n))
-    wrap = np.empty((m, n), dtype=np.uint8)
+    wrap, one_sided = np.empty((m, n), dtype=np.uint8), np.empty((m, n), dtype=bool)
     given = solver.flat_bones, solver.neutral
-    j, fault, number = run_kernel(solve_bone_poses, given, poses, (theta, lengths, filled, wrap))
+    filling = theta, lengths, filled, wrap, one_sided
+    j, fault, number = run_kernel(solve_bone_poses, given, poses, filling)
     if fault != SOLVED:
         where = 'bones' if fault == NO_PLANE else solver.bones[number]
         reason = describe_pose_fault(solver.muscle, fault, number)
@@ -43,7 +44,7 @@ def solve_over_bones(solver: LinkedPlaneSolver, poses: Floats, index: str) -> Mu
     wrenches = np.concatenate((moments, forces), axis=-1).swapaxes(1, 2).copy()
     vectors, rotations = wrenches[:, :, -1, :3].copy(), poses[:, -1, :, :3].copy()
     posed = PosedBones(poses, wrenches)
-    return MuscleStates(theta, lengths, vectors, wrap, rotations, solver, posed)
+    return MuscleStates(theta, lengths, vectors, wrap, one_sided, rotations, solver, posed)
 
 
 def solve_last_bone(solver: LinkedPlaneSolver, rotations: Floats, name: str) -> MuscleStates:

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..linked_planes.band import CLEAR, INSIDE, MISSED, WRAPPED
-from ..types import Bytes, Floats
+from ..types import Bools, Bytes, Floats
 from .results import Placed, PosedBones, Result
 
 if TYPE_CHECKING:
@@ -53,6 +53,9 @@ class MuscleState(Placed):
     """(n, 3) -dL/domega about the scapula axes, m (thesis eq. 5.1)."""
     wrap: Bytes
     """(n,) WrapState of each band."""
+    one_sided: Bools
+    """(n,) which moment vectors are one-sided derivatives, those of this wrap state (theta stands
+    at a corner of two edges, or a line touches its sphere's rim); all others are two-sided."""
     rotation: Floats
     """(3, 3) humerus -> scapula, as it was given; of several bones, the last one's."""
     solver: LinkedPlaneSolver
@@ -61,7 +64,7 @@ class MuscleState(Placed):
     """Where the bones are, (k, 3, 4), and the wrenches on them (n, k, 6); None from a rotation."""
 
     def __post_init__(self) -> None:
-        for array in (self.lengths, self.moment_vectors, self.wrap, self.rotation):
+        for array in (self.lengths, self.moment_vectors, self.wrap, self.one_sided, self.rotation):
             array.setflags(False)  # type: ignore[call-arg]  # by name it takes twice as long
         if self.posed is not None:
             self.posed.keep_as_is()
@@ -130,6 +133,8 @@ class MuscleStates(Placed):
     """(m, n, 3) m, about the scapula axes."""
     wrap: Bytes
     """(m, n) WrapState of each band."""
+    one_sided: Bools
+    """(m, n) which moment vectors are one-sided derivatives, as in MuscleState."""
     rotation: Floats
     """(m, 3, 3) humerus -> scapula, as they were given; of several bones, the last one's."""
     solver: LinkedPlaneSolver
@@ -138,7 +143,7 @@ class MuscleStates(Placed):
     """The same with a leading m as a MuscleState's; None from rotations alone."""
 
     def __post_init__(self) -> None:
-        for array in (self.theta, self.lengths, self.moment_vectors, self.wrap, self.rotation):
+        for array in self._values()[:6]:
             array.setflags(write=False)
         if self.posed is not None:
             self.posed.keep_as_is()
@@ -190,6 +195,7 @@ class MuscleStates(Placed):
             self.lengths[i],
             self.moment_vectors[i],
             self.wrap[i],
+            self.one_sided[i],
             self.rotation[i],
             self.solver,
             self.posed and self.posed.choose(i),
@@ -205,6 +211,7 @@ class MuscleStates(Placed):
             self.lengths[part],
             self.moment_vectors[part],
             self.wrap[part],
+            self.one_sided[part],
             self.rotation[part],
             self.solver,
             self.posed and self.posed.choose(part),

@@ -12,6 +12,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver, WrapState
 from linkedplane_ros.linked_planes import least_length as search
+from linkedplane_ros.linked_planes import whole_circle
 from linkedplane_ros.linked_planes.chain import bands_at
 from linkedplane_ros.linked_planes.compilation import COMPILED
 
@@ -203,8 +205,8 @@ def test_theta_is_found_as_often_in_each_way_as_the_table_says(
     # the kernels run uncompiled here, so that they can be watched
     taken: list[str] = []
 
-    def watched(name: str) -> Callable[..., Any]:
-        original = getattr(search, name)
+    def watched(module: ModuleType, name: str) -> Callable[..., Any]:
+        original = getattr(module, name)
 
         def watch(*args: Any) -> Any:
             taken.append(name)
@@ -213,13 +215,15 @@ def test_theta_is_found_as_often_in_each_way_as_the_table_says(
         return watch
 
     for name in ('energy', 'search_pierced', 'settle', 'search_circle'):
-        monkeypatch.setattr(search, name, watched(name))
+        monkeypatch.setattr(search, name, watched(search, name))
+    for name in ('energy', 'sample'):
+        monkeypatch.setattr(whole_circle, name, watched(whole_circle, name))
     counts: dict[str, list[int]] = defaultdict(list)
     for rotation in POSES.tolist():
         taken.clear()
         search.solve_theta(bands_at(SOLVER._flat, tuple(map(tuple, rotation))), NEUTRAL)
-        way = tuple(sorted(set(taken) - {'energy'}))
-        counts[WAYS[way]].append(taken.count('energy'))
+        way = tuple(sorted(set(taken) - {'energy', 'sample'}))
+        counts[WAYS[way]].append(taken.count('energy') + taken.count('sample'))
     lines = ['| way | poses | evaluations of (19) in a pose: mean, most |', '| --- | ---: | --- |']
     for way in WAYS.values():
         found = counts[way]

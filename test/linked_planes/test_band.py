@@ -14,6 +14,7 @@ from scipy.spatial import ConvexHull
 from linkedplane_ros.linked_planes.band import (
     BESIDE,
     CLEAR,
+    EXTENDED,
     INSIDE,
     MISSED,
     PIERCED,
@@ -115,7 +116,7 @@ WRAPPED_ONES = [one for one in GEOMETRIES if one.state == WRAPPED]
 
 
 def test_the_random_geometries_are_of_every_kind() -> None:
-    assert {one.kind for one in GEOMETRIES} == {PIERCED, BESIDE, INSIDE}
+    assert {one.kind for one in GEOMETRIES} == {PIERCED, BESIDE, EXTENDED, INSIDE}
     assert min(np.bincount([one.state for one in GEOMETRIES], minlength=4)) > 100
 
 
@@ -288,7 +289,7 @@ def test_a_sphere_on_the_lines_extension_is_no_obstacle_to_a_band_that_bulges_of
 ) -> None:
     over = Geometry(0.1, (x, 0.01, 0.0), 0.03)
     under = over.turned(np.pi)
-    assert over.kind == BESIDE
+    assert over.kind == EXTENDED
     assert (under.state, under.length) == (CLEAR, 0.1)
     # the published method sends the other one all the way round
     assert over.state == WRAPPED

@@ -12,7 +12,7 @@ from posed_muscle import CASES, THETAS, Posed, posed_bands
 from random_muscles import deltoid_with_bands, random_muscle_in_frames
 from reference import Array
 
-from linkedplane_ros.linked_planes.band import CLEAR, INSIDE, MISSED, PIERCED, WRAPPED
+from linkedplane_ros.linked_planes.band import BESIDE, CLEAR, INSIDE, MISSED, PIERCED, WRAPPED
 from linkedplane_ros.linked_planes.chain import (
     energy,
     moving_frame,
@@ -42,7 +42,7 @@ def test_every_plane_is_that_of_the_literal_method(posed: Posed) -> None:
             d, b, _, _ = plane_at(band.section, c, s)
             assert d == pytest.approx((centres[i] - P) @ one.normal, abs=SAME)
             assert b == pytest.approx((centres[i] - P) @ e, abs=SAME)
-            assert state_at(band.section, d, b, False) == one.state
+            assert state_at(band.section, d, b, 0, -1) == one.state
             np.testing.assert_allclose(band.S, S, rtol=0.0, atol=SAME)
             np.testing.assert_allclose(P + band.p, centres[i], rtol=0.0, atol=SAME)
 
@@ -85,12 +85,17 @@ def test_pierced_bands_alone_are_the_whole_length_without_the_others(posed: Pose
         assert energy(posed.bands, theta, False, held)[0] == pytest.approx(straight, abs=SAME)
 
 
-def test_a_held_band_is_missed_at_its_spheres_rim_and_clear_elsewhere(posed: Posed) -> None:
+def test_a_held_band_is_missed_at_its_spheres_rim_and_clear_at_a_lines_extension(
+    posed: Posed,
+) -> None:
     for band in posed.bands:
-        R = band.section.R
-        for d, state in ((R, MISSED), (-R, MISSED), ((1.0 - 1e-7) * R, MISSED), (0.9 * R, CLEAR)):
-            assert state_at(band.section, d, 0.0, True) == state
-            assert state_at(band.section, d, 1e-12, True) == state
+        R, kind = band.section.R, band.section.kind
+        for d, b in ((R, 1e-9), (-R, 1e-12), ((1.0 - 1e-7) * R, 0.0)):
+            state = state_at(band.section, d, b, 0, 0)
+            assert state == (MISSED if kind == BESIDE else CLEAR)
+        if kind == BESIDE:  # another one is held, and this one's edge is there as well
+            assert state_at(band.section, (1.0 - 1e-14) * R, 0.1 * R, 1, 0) == MISSED
+            assert state_at(band.section, (1.0 - 1e-9) * R, 0.1 * R, 1, 0) == WRAPPED
 
 
 @pytest.mark.parametrize('fault', ['line', 'plane', 'frame', 'frame: HM is its origin'])

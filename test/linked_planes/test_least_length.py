@@ -15,23 +15,25 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.linked_planes import least_length
-from linkedplane_ros.linked_planes.band import BESIDE, PIERCED, WRAPPED
+from linkedplane_ros.linked_planes import least_length, whole_circle
+from linkedplane_ros.linked_planes.band import BESIDE, EXTENDED, PIERCED, WRAPPED
 from linkedplane_ros.linked_planes.chain import Band, energy, plane_at
 from linkedplane_ros.linked_planes.least_length import (
+    near_side,
+    others_straight,
+    search_pierced,
+    settle,
+    solve_theta,
+    stiffness,
+    turn_evenly,
+)
+from linkedplane_ros.linked_planes.whole_circle import (
     EVEN,
     descend,
     edges,
     least,
-    near_side,
-    others_straight,
     search_circle,
-    search_pierced,
-    settle,
     slackest,
-    solve_theta,
-    stiffness,
-    turn_evenly,
     unevenness,
     wrapped_angle,
 )
@@ -108,7 +110,7 @@ def test_unevenness_is_the_fastest_turn_over_the_slowest(posed: Posed) -> None:
 def test_a_band_comes_to_touch_its_sphere_at_its_edges(posed: Posed) -> None:
     for i, band in enumerate(posed.bands):
         found = edges(band.section)
-        if band.section.kind != BESIDE:
+        if band.section.kind not in (BESIDE, EXTENDED):
             assert found == []
             continue
         assert all(-np.pi < edge <= np.pi for edge in found)
@@ -121,7 +123,7 @@ def test_a_band_comes_to_touch_its_sphere_at_its_edges(posed: Posed) -> None:
 def test_others_are_straight_where_no_band_beside_its_sphere_is_wrapped(posed: Posed) -> None:
     for theta in THETAS:
         wrapped = [
-            band.section.kind == BESIDE and one.state == WRAPPED
+            band.section.kind in (BESIDE, EXTENDED) and one.state == WRAPPED
             for band, one in zip(posed.bands, posed.literal(theta), strict=True)
         ]
         for held in range(-1, len(wrapped)):
@@ -171,7 +173,7 @@ def test_every_search_is_as_good_as_a_scan(posed: Posed) -> None:
         for theta, held in (search_circle(posed.bands, neutral), solve_theta(posed.bands, neutral)):
             assert -np.pi < theta <= np.pi
             assert energy(posed.bands, theta, False, held)[0] <= scan + LEAST
-            assert held < 0 or posed.bands[held].section.kind == BESIDE
+            assert held < 0 or posed.bands[held].section.kind in (BESIDE, EXTENDED)
 
 
 @pytest.mark.parametrize('end', [np.pi - 0.004, -np.pi + 0.004])
@@ -243,7 +245,8 @@ def test_the_circle_is_not_searched_where_one_valley_or_none_will_do(
         evaluations += 1
         return energy(*given)
 
-    monkeypatch.setattr(least_length, 'energy', counted)
+    for module in (least_length, whole_circle):
+        monkeypatch.setattr(module, 'energy', counted)
     counts = []
     for seed in range(40):
         posed = Posed(seed, 'deltoid')

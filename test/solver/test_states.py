@@ -17,7 +17,7 @@ DELTOID = BroadMuscle.load('deltoid')
 RIGHT, LEFT = (LinkedPlaneSolver(DELTOID, side=side) for side in ('right', 'left'))
 STATES = RIGHT.solve_batch(POSES[:10])
 ANSWER = RIGHT.answer(JOINT_CONVENTIONS['isb_yxy'], (0.4, 0.9, 0.1), (0.1, 0.2, 0.3))
-FIELDS = ('theta', 'lengths', 'moment_vectors', 'wrap', 'rotation')
+FIELDS = ('theta', 'lengths', 'moment_vectors', 'wrap', 'one_sided', 'rotation')
 
 both_sides = pytest.mark.parametrize('solver', [RIGHT, LEFT], ids=['right', 'left'])
 
@@ -118,7 +118,7 @@ def test_a_pickle_is_the_muscle_and_the_numbers_of_the_poses() -> None:
     muscle = len(pickle.dumps(DELTOID))
     drawn = RIGHT.solve(POSES[0])
     drawn.insertions  # noqa: B018 (kept by the state, not by its pickle)
-    numbers = 9 * (1 + 3) * 8 + 9 + 9 * 8  # bytes a pose: lengths, vectors, wrap, rotation
+    numbers = 9 * (1 + 3) * 8 + 9 + 9 + 9 * 8  # bytes a pose: lengths, vectors, two flags, rotation
     frame = 500  # bytes: the names of classes, the shapes of arrays
     assert len(pickle.dumps(drawn)) < muscle + numbers + frame
     one, ten = (len(pickle.dumps(states)) for states in (STATES[:1], STATES))
