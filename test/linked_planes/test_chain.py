@@ -106,7 +106,8 @@ def test_the_chain_ends_before_a_band_that_has_no_line_no_plane_or_no_frame(faul
     assert muscle.humeral_point is not None
     SC, HM = muscle.ground_point, R @ muscle.humeral_point
     insertions, origins = muscle.insertions.copy(), muscle.origins.copy()
-    last = len(origins) - 1
+    last = 1  # of five: the others have all, and are not reached
+    assert len(origins) == 5
     if fault == 'line':
         insertions[last] = R.T @ origins[last]
     elif fault == 'plane':
@@ -115,6 +116,24 @@ def test_the_chain_ends_before_a_band_that_has_no_line_no_plane_or_no_frame(faul
     else:
         origins[last] = HM if 'HM' in fault else SC + 2.0 * (HM - SC)
     assert len(posed_bands(replace(muscle, origins=origins, insertions=insertions), R)) == last
+
+
+@pytest.mark.parametrize('end', ['origin', 'insertion'])
+def test_an_end_inside_its_sphere_leaves_a_straight_band(end: str) -> None:
+    posed = Posed(5, 'ground')
+    muscle, R = posed.muscle, posed.rotation
+    origins, insertions = muscle.origins.copy(), muscle.insertions.copy()
+    inside = muscle.sphere_centres[0] + 0.3 * muscle.sphere_radii[0] * np.eye(3)[0]
+    if end == 'origin':
+        origins[0] = inside
+    else:
+        insertions[0] = R.T @ inside
+    band = posed_bands(replace(muscle, origins=origins, insertions=insertions), R)[0]
+    D = np.linalg.norm(R @ insertions[0] - origins[0])
+    for theta in THETAS:
+        d, b, _, _ = plane_at(band.section, np.cos(theta), np.sin(theta))
+        assert state_at(band.section, d, b, False) == INSIDE
+        assert energy([band], theta, False, -1) == (pytest.approx(D, abs=SAME), 0.0, 0.0)
 
 
 @pytest.mark.parametrize('case', range(10))

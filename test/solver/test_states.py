@@ -47,10 +47,13 @@ def test_a_slice_or_an_array_takes_the_states_of_some_poses(part: Any) -> None:
     indices = np.arange(10)[part].tolist()
     assert len(states) == len(indices)
     assert all(same(one, STATES[i]) for one, i in zip(states, indices, strict=True))
+    if isinstance(part, slice) and indices:
+        assert np.shares_memory(states.lengths, STATES.lengths)  # nothing is copied
 
 
 @pytest.mark.parametrize(
-    'index', [10, -11, [0, 10], np.array([-11]), 1.5, 'first', None, (0, 1), [[0, 1]], [True] * 9]
+    'index',
+    [10, -11, [0, 10], np.array([-11]), 1.5, 'first', None, (3,), (0, 1), [[0, 1]], [True] * 9],
 )
 def test_what_is_no_index_of_a_pose_is_an_index_error(index: Any) -> None:
     with pytest.raises(IndexError):
@@ -112,6 +115,9 @@ def test_results_of_other_poses_sides_or_muscles_are_not_equal() -> None:
         assert state != other
     assert STATES == RIGHT.solve_batch(POSES[:10])
     assert STATES != STATES[:9]
+    assert RIGHT == LinkedPlaneSolver(DELTOID)
+    for one, other in ((RIGHT, LEFT), (LEFT, RIGHT), (RIGHT, ackland), (RIGHT, None)):
+        assert one != other
 
 
 def test_a_pickle_is_the_muscle_and_the_numbers_of_the_poses() -> None:
