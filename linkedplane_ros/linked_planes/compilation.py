@@ -12,7 +12,7 @@ import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any, TypeVar
@@ -58,10 +58,15 @@ def entry(kernel: Kernel) -> Kernel:
     return called  # type: ignore[no-any-return]
 
 
-@cache
-def warn_once(message: str) -> None:
-    """Log a warning, the first time that it is given: a process has many kernels."""
-    logging.getLogger(__name__.partition('.')[0]).warning('%s', message)
+WARNED: set[str] = set()
+
+
+def warn_once(problem: str, where: str = '') -> None:
+    """Log a warning, the first time that there is this problem: a process has many kernels."""
+    if problem not in WARNED:
+        WARNED.add(problem)
+        line = f'{where}: {problem}' if where else problem
+        logging.getLogger(__name__.partition('.')[0]).warning('%s', line)
 
 
 if COMPILED:
@@ -108,7 +113,7 @@ if COMPILED:
             try:
                 return super().load_overload(signature, context)
             except Exception:  # unpickling what is damaged raises anything
-                warn_once(f'{self.cache_path}: damaged compiled kernels; they are compiled again')
+                warn_once('damaged compiled kernels; they are compiled again', self.cache_path)
             try:
                 self.flush()
             except OSError:
@@ -119,9 +124,8 @@ if COMPILED:
             try:
                 super().save_overload(signature, compiled)
             except OSError as error:
-                warn_once(
-                    f'{self.cache_path}: compiled kernels cannot be kept: {error.strerror or error}'
-                )
+                reason = f'compiled kernels cannot be kept: {error.strerror or error}'
+                warn_once(reason, self.cache_path)
 
 
 def digest_entry(key: Any, content: bytes) -> bytes:
