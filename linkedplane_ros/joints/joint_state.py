@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -15,11 +16,12 @@ from typing import Protocol
 from ..errors import LinkedPlaneError, describe_value
 from ..types import Triple
 
-FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees
+FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees, a larger offset refused
 FASTEST = 1e9  # rad/s: beyond, no velocity of a joint; answers to it would lose their last digits
 REASONS = (
     'sizes',
     'no_joint',
+    'duplicate',
     'not_finite',
     'degrees',
     'incomplete',
@@ -75,7 +77,7 @@ class JointMap:
     Raises
     ------
     LinkedPlaneError
-        Unless there are 3 different joints, and finite signs and offsets.
+        Unless there are 3 different joints, finite signs, and offsets of a full turn at most.
 
     """
 
@@ -83,7 +85,7 @@ class JointMap:
     """The joints, in the order of the convention's coordinates."""
     signs: Triple
     offsets: Triple
-    """rad"""
+    """rad, a full turn at most"""
 
     def __post_init__(self) -> None:
         """Check the joints."""
@@ -93,6 +95,11 @@ class JointMap:
             raise LinkedPlaneError(
                 f'signs {describe_value(self.signs)}, offsets {describe_value(self.offsets)}: '
                 'finite numbers expected'
+            )
+        if any(abs(offset) > FULL_CIRCLE for offset in self.offsets):
+            raise LinkedPlaneError(
+                f'offsets {describe_value(self.offsets)}: a full turn at most expected, '
+                '|offset| <= 2 pi rad'
             )
 
     @staticmethod
@@ -141,7 +148,7 @@ class JointMemory:
         Parameters
         ----------
         names
-            (k) any joints, in any order; of a name that appears twice the last one counts.
+            (k) any joints, in any order; each of ours at most once.
         positions
             (k) rad
         velocities
@@ -223,10 +230,12 @@ class JointMemory:
         return {name: now - self._seen[name][1] for name in self.joints.names if name in self._seen}
 
     def _find_places(self, names: Sequence[str]) -> list[tuple[str, int]]:
-        """Return the joints' places among the names; of a name that appears twice the last."""
+        """Return the joints' places among the names."""
         if names != self._names:
             last = {name: i for i, name in enumerate(names)}
             places = [(name, last[name]) for name in self.joints.names if name in last]
+            if len(last) < len(names):
+                _check_counts([name for name, _ in places], names)
             if not places:
                 wanted = self.joints.names
                 if len(names):
@@ -239,6 +248,15 @@ class JointMemory:
 def read_seconds(stamp: Stamp | None) -> float:
     """Return a stamp in s; 0 for none."""
     return 0.0 if stamp is None else stamp.sec + 1e-9 * stamp.nanosec
+
+
+def _check_counts(ours: Sequence[str], names: Sequence[str]) -> None:
+    counts = Counter(names)
+    for name in ours:
+        if counts[name] > 1:
+            raise Rejected(
+                'duplicate', f'joint {name!r} is in it {counts[name]} times; once expected'
+            )
 
 
 def _angle_fault(name: str, q: float) -> Rejected:

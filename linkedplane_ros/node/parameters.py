@@ -96,6 +96,8 @@ class ParameterSpec:
                 return []
             if len(items) != 3 or not all(isinstance(item, str) and item for item in items):
                 raise self._fault(value, '3 joint names')
+            if not all(item.strip() and item.isprintable() for item in items):
+                raise self._fault(value, '3 joint names that print')
             if len(set(items)) < 3:
                 raise self._fault(value, '3 different joints')
             return items
@@ -158,7 +160,10 @@ SPECS = (
         'joint_signs', [1.0, 1.0, 1.0], 'angle = sign * position + offset: the three signs, +-1.'
     ),
     ParameterSpec(
-        'joint_offsets', [0.0, 0.0, 0.0], 'angle = sign * position + offset: three offsets, rad.'
+        'joint_offsets',
+        [0.0, 0.0, 0.0],
+        'angle = sign * position + offset: three offsets, rad; '
+        'a full turn (2 pi) either way at most.',
     ),
     ParameterSpec(
         'joint_timeout',
@@ -168,7 +173,11 @@ SPECS = (
         0.0,
         1e5,
     ),
-    ParameterSpec('frame_id', 'scapula', 'The frame of the outputs.'),
+    ParameterSpec(
+        'frame_id',
+        'scapula',
+        'The frame of the outputs: 1 to 255 characters that print, no blanks.',
+    ),
     ParameterSpec('markers.enabled', True, 'Publish markers.'),
     ParameterSpec(
         'markers.rate',

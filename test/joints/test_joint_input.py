@@ -74,15 +74,17 @@ def test_other_joints_do_not_matter_whatever_their_values(memory: JointMemory) -
     assert warning == ''
 
 
-def test_of_a_joint_that_stands_twice_the_last_value_counts(memory: JointMemory) -> None:
-    names = ('flexion', *NAMES)
-    angles, speeds, _ = memory.take_message(
-        names, (math.nan, 0.1, 0.2, 0.3), (math.inf, 1.0, 2.0, 3.0)
-    )
-    assert angles == (0.1, 0.2, 0.3)
-    assert speeds is not None
-    assert speeds == (1.0, 2.0, 3.0)
-    assert refusal(memory, names, (0.1, math.nan, 0.2, 0.3), ())[0] == 'not_finite'
+@pytest.mark.parametrize('twice', NAMES)
+def test_a_message_with_one_of_our_joints_twice_is_rejected(
+    memory: JointMemory, twice: str
+) -> None:
+    reason, text = refusal(memory, (twice, *NAMES), (0.4, 0.1, 0.2, 0.3), ())
+    assert (reason, text) == ('duplicate', f'joint {twice!r} is in it 2 times; once expected')
+    assert not memory.positions
+    names = ('thumb', *NAMES, 'thumb')  # joints that are not ours do not matter
+    assert memory.take_message(names, (9e9, 0.1, 0.2, 0.3, 9e9), ())[0] == (0.1, 0.2, 0.3)
+    for place in range(3):  # also after a good message
+        assert refusal(memory, (*NAMES, NAMES[place]), (0.1, 0.2, 0.3, 0.3), ())[0] == 'duplicate'
 
 
 def test_the_arrays_of_a_ros_message_are_taken_as_they_are(memory: JointMemory) -> None:

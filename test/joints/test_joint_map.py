@@ -28,6 +28,16 @@ def test_signs_and_offsets_are_finite(place: int, value: float) -> None:
         JointMap(NAMES, tuple(numbers[:3]), tuple(numbers[3:]))
 
 
+@pytest.mark.parametrize('place', range(3))
+@pytest.mark.parametrize('value', [1e17, -1e308, 6.2832])
+def test_offsets_are_a_full_turn_at_most(place: int, value: float) -> None:
+    offsets = [math.tau, -math.tau, 0.5]
+    JointMap(NAMES, (1.0, 1.0, 1.0), tuple(offsets))
+    offsets[place] = value
+    with pytest.raises(LinkedPlaneError, match=r'^offsets .*: a full turn at most expected'):
+        JointMap(NAMES, (1.0, 1.0, 1.0), tuple(offsets))
+
+
 def test_a_joint_map_comes_back_from_the_facts_of_an_output() -> None:
     joints = JointMap(("it's", 'b c', '\u00e4'), (1.0, -1.0, -1.0), (0.1, -2e-17, 3.0))
     assert JointMap.from_facts(joints.facts) == joints
