@@ -25,6 +25,7 @@ from ..linked_planes.compilation import COMPILED
 from . import qos
 from .declaration import declare_parameters
 from .outputs import THROTTLE, MuscleOutputs
+from .parameter_requests import refuse_odd_requests
 from .parameters import NAMES, is_list
 from .rehearsal import rehearse
 from .ros_arguments import warn_of_unknown_parameters
@@ -57,6 +58,7 @@ class MuscleStatePublisher(Node):
         )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(1.0, self._report, clock=steady)
+        refuse_odd_requests(self)
         self.add_on_set_parameters_callback(self._check_changes)
         self.add_post_set_parameters_callback(self._apply_changes)
         with qos.override_errors():

@@ -7,21 +7,23 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from parameter_changes import as_sent, change_parameters
+from parameter_changes import as_sent, change_parameters, connected
 from rcl_interfaces.msg import Parameter as ParameterMessage
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.executors import ExternalShutdownException
 from rclpy.parameter import Parameter
-from ros_harness import NodeProcess, Peer, muscles_published
+from ros_harness import muscles_published
 
 from linkedplane_ros import BroadMuscle
 from linkedplane_ros.errors import LinkedPlaneError
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 from linkedplane_ros.node.outputs import LONGEST_TOPIC, MuscleOutputs
+from linkedplane_ros.node.run import spin
 from linkedplane_ros.node.settings import Settings
 from linkedplane_ros.solver.linked_plane_solver import LinkedPlaneSolver
 
 MODELS = Path(__file__).parents[2] / 'linkedplane_ros' / 'models'
-NAMES = ('flexion', 'abduction', 'rotation')
+SERVICES = {SetParameters: 'set_parameters', SetParametersAtomically: 'set_parameters_atomically'}
 
 
 def renamed_model(folder: Path, name: str) -> str:
@@ -108,19 +110,63 @@ def test_a_batch_that_another_check_refuses_opens_no_topics(
     assert muscles_published(lone_node) == {'deltoid'}
 
 
-def test_a_request_that_rclpy_cannot_read_ends_no_node(tmp_path: Path, peer: Peer) -> None:
-    with NodeProcess(tmp_path / 'log') as process:
-        peer.connect(process)
-        client = peer.create_client(SetParameters, 'muscle_state_publisher/set_parameters')
-        assert peer.until(client.service_is_ready)
-        odd = ParameterMessage(name='side')
-        odd.value.type = 200  # there are ten
-        client.call_async(SetParameters.Request(parameters=[odd]))
-        good = ParameterMessage(name='side')
-        good.value.type, good.value.string_value = 4, 'left'
-        answer = client.call_async(SetParameters.Request(parameters=[good]))
-        assert peer.until(answer.done)
-        assert answer.result().results[0].successful
-        peer.send(NAMES, (0.1, 0.2, 0.3))
-        assert peer.answers(1)
-        assert 'unexpected ValueError, passed over: 200 is not' in process.text
+def odd_parameter(name: str, kind: int) -> ParameterMessage:
+    """Return a parameter as only a client that makes its own messages sends it."""
+    message = ParameterMessage(name=name)
+    message.value.type, message.value.string_value = kind, 'left'
+    return message
+
+
+def test_types_that_there_are_not_and_names_unknown_are_refused(
+    lone_node: MuscleStatePublisher,
+) -> None:
+    with connected(lone_node) as peer:
+
+        def ask(kind: Any, *given: tuple[str, int]) -> Any:
+            client = peer.create_client(kind, f'muscle_state_publisher/{SERVICES[kind]}')
+            assert peer.until(client.service_is_ready)
+            request = kind.Request(parameters=[odd_parameter(*each) for each in given])
+            answer = client.call_async(request)
+            assert peer.until(answer.done)
+            return answer.result()
+
+        given = [('side', 200), ('', 4), ('side', 4), ('frame_id', 10), ('no such', 4)]
+        results = ask(SetParameters, *given).results
+        assert [each.successful for each in results] == [False, False, True, False, False]
+        odd, empty, _, other, unknown = (each.reason for each in results)
+        assert odd == (
+            "parameter 'side': type 200 given, 0 to 9 expected (rcl_interfaces/ParameterType)"
+        )
+        assert other.startswith("parameter 'frame_id': type 10 given, 0 to 9 expected")
+        assert "undeclared parameter(s): ['']" in empty
+        assert "undeclared parameter(s): ['no such']" in unknown
+        assert lone_node.get_parameter('side').value == 'left'
+        assert not lone_node.has_parameter('')
+
+        result = ask(SetParametersAtomically, ('frame_id', 4), ('side', 99)).result
+        assert not result.successful
+        assert result.reason.startswith("parameter 'side': type 99 given")
+        result = ask(SetParametersAtomically, ('frame_id', 4), ('', 4), ('b', 4)).result
+        assert not result.successful
+        assert "undeclared parameter(s): ['', 'b']" in result.reason
+        assert lone_node.get_parameter('frame_id').value == 'scapula'
+        assert ask(SetParametersAtomically, ('frame_id', 4)).result.successful
+
+
+def test_an_unexpected_error_in_a_message_or_request_ends_no_node(
+    lone_node: MuscleStatePublisher, capfd: pytest.CaptureFixture[str]
+) -> None:
+    class Failing:
+        """Works after one error, until ROS is shut down."""
+
+        times = 0
+
+        def spin(self) -> None:
+            self.times += 1
+            raise ValueError('one\ntwo') if self.times == 1 else ExternalShutdownException
+
+    executor: Any = Failing()
+    with pytest.raises(ExternalShutdownException):
+        spin(executor, lone_node)
+    assert executor.times == 2
+    assert 'unexpected ValueError, passed over: one\\ntwo' in capfd.readouterr().err
