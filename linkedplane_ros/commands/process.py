@@ -50,7 +50,7 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
     add('--signs', nargs=3, type=sign, metavar='SIGN',
         help='1 or -1 for each joint: angle = sign * recorded + offset (default: 1 1 1)')
     add('--offsets', nargs=3, type=float, metavar='RAD',
-        help="added to each joint's angle, rad (default: 0 0 0)")
+        help="added to each joint's angle, rad, a full turn at most (default: 0 0 0)")
     unit = angles.add_mutually_exclusive_group()
     unit.add_argument('--degrees', action='store_true', default=None,
         help='the recorded angles are in degrees (default: as the recording says, else rad)')
@@ -99,7 +99,8 @@ def _add_output(output: argparse._ArgumentGroup) -> None:
     add_side(output)
     add = output.add_argument
     add('--frame-id', default='scapula', metavar='NAME',
-        help='the frame of the outputs (default: %(default)s)')
+        help='the frame of the outputs, at most 255 characters without blanks '
+        '(default: %(default)s)')
     add('--plain', action='store_true',
         help='a .csv that begins with its header; what else it would say stands in OUT.facts.yaml')
     add('--no-markers', dest='markers', action='store_false', help='leave the markers out of a bag')

@@ -10,12 +10,12 @@ from typing import Any
 
 from ..errors import LinkedPlaneError, describe_value, escape_controls
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
+from ..joints.frame_names import check_frame_name
 from ..joints.joint_state import FULL_CIRCLE, JointMap
 from ..muscle.broad_muscle import BroadMuscle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from .parameters import SPECS
 
-LONGEST_FRAME = 255  # characters of a frame's name
 STILL = (0.0, 0.0, 0.0)  # rad, rad/s
 
 
@@ -122,18 +122,7 @@ def check_values(values: Mapping[str, Any]) -> dict[str, Any]:
             f'parameter joint_offsets: {describe_value(checked["joint_offsets"])} given, '
             'a full turn (2 pi rad) either way at most expected'
         )
-    frame = checked['frame_id']
-    if not frame or frame.startswith('/'):
-        fault = "starts with '/'" if frame else 'is empty'
-        raise LinkedPlaneError(
-            f'parameter frame_id: {frame!r} given, the name of a frame expected; tf2 has none '
-            f'that {fault}'
-        )
-    if len(frame) > LONGEST_FRAME or not frame.isprintable() or ' ' in frame:
-        raise LinkedPlaneError(
-            f'parameter frame_id: {describe_value(frame)} given ({len(frame)} characters), '
-            f'at most {LONGEST_FRAME} characters that print, without blanks, expected'
-        )
+    check_frame_name('parameter frame_id', checked['frame_id'])
     return checked
 
 

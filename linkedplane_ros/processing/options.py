@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
+from ..joints.frame_names import check_frame_name
 from ..joints.joint_state import JointMap
 from ..recordings.poses import BoneFrames
 from ..skeleton.girdle import Rest
@@ -72,7 +73,8 @@ class Options:
     """Whether an output that exists is replaced."""
 
     def __post_init__(self) -> None:
-        """Refuse options that do not go together."""
+        """Refuse options that cannot be, or do not go together."""
+        check_frame_name('--frame-id', self.frame_id)
         has_base = self.scapula is not None or self.thorax is not None
         if self.rhythm is not None and self.thorax is None:
             raise LinkedPlaneError('--rhythm: only for angles against the thorax (--thorax)')

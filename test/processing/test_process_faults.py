@@ -98,6 +98,18 @@ def test_refused_frames_are_counted_with_their_first_place(
     assert "1 refused as degrees, first at message 5, 0.04 s: joint 'abduction' is 90" in told
 
 
+def test_a_message_with_one_of_the_joints_twice_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent = odd_motion()
+    names = ('flexion', 'abduction', 'rotation', 'flexion')
+    sent[8] = joint_state(4, names, position=[0.1, 0.2, 0.3, 0.4])
+    source = write_bag(tmp_path / 'in', sent)
+    assert exit_status([str(source), str(tmp_path / 'out.csv'), '--radians']) == 0
+    told = capsys.readouterr().out
+    assert "refused as duplicate, first at message 5, 0.04 s: joint 'flexion' is in it 2" in told
+
+
 def test_frames_outside_the_models_range_are_counted(tmp_path: Path) -> None:
     inside, outside = (0.5, 0.4, 0.2), (-1.0, 0.2, 0.1)
     lines = ['time,flexion,abduction,rotation']

@@ -82,6 +82,11 @@ def test_a_bag_is_replaced_by_a_bag_with_force(tmp_path: Path) -> None:
     [
         (('--joints', 'flexion', 'flexion', 'rotation'), '3 different joints'),
         (('--offsets', 'nan', '0', '0'), 'finite numbers expected'),
+        (('--offsets', '1e17', '0', '0'), 'a full turn at most expected, |offset| <= 2 pi rad'),
+        (('--offsets', '0', '0', '-6.2832'), 'a full turn at most expected'),
+        (('--frame-id', 'a b\n'), "--frame-id: 'a b\\n' given (4 characters), at most 255"),
+        (('--frame-id', 256 * 'f'), '(256 characters), at most 255 characters that print'),
+        (('--frame-id', '/scapula'), "tf2 has none that starts with '/'"),
         (('--rate', '1e13'), 'in: '),
         (('--humerus', '', '--thorax', 'b'), 'a name expected'),
         (('--humerus', '/h', '--scapula', '/s'), '/h is not a topic of'),
