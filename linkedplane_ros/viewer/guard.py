@@ -40,6 +40,7 @@ HTTP_PORT = 80
 IN_QUERY = re.compile(r'[?&]token=([0-9A-Za-z]+)')
 FOREIGN = ('cross-site', 'same-site')  # Sec-Fetch-Site of what another page asks for
 ELSEWHERE = {'websocket', 'playbackPath'}  # where else viser's page would read from
+KEEP_ALIVE = {'ping_interval': 2.0, 'ping_timeout': 8.0, 'close_timeout': 1.0}  # s
 POLICY = "connect-src 'self' ws://{host} data: blob:; frame-ancestors 'none'; base-uri 'none'"
 
 
@@ -67,6 +68,7 @@ class Guard:
             self._guarded = True
             options['create_connection'] = self._checked_connection()
             options['process_request'] = self._checked_requests(process_request)
+            options |= KEEP_ALIVE  # a browser that hangs ends its sweep as one that closes
             return original(handler, *where, **options)
 
         server.serve = serve  # type: ignore[assignment,misc]
@@ -110,9 +112,12 @@ class Guard:
             fault = self.find_request_fault(address, port, request.path, request.headers)
             if fault:
                 return connection.respond(HTTPStatus.FORBIDDEN, f'muscle_viewer: {fault}\n')
-            response = answer(connection, request)
-            if inspect.isawaitable(response):
-                response = await response
+            try:
+                response = answer(connection, request)
+                if inspect.isawaitable(response):
+                    response = await response
+            except (OSError, ValueError):  # a path that no file can have, as a very long one
+                response = connection.respond(HTTPStatus.NOT_FOUND, 'NOT FOUND')
             if response is not None:
                 self._add_headers(response.headers, port, request.headers['Host'])
             return response

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
+from http import HTTPStatus
 from types import SimpleNamespace
 from typing import Any
 
@@ -250,3 +252,38 @@ def test_bytes_that_are_no_message_are_refused_and_a_camera_is_taken() -> None:
         b'\x91' * 100000,
     ):
         assert find_message_fault(message, CONTROLS) == 'it is no message of this page'
+
+
+# How it is served
+
+
+def test_a_browser_that_hangs_is_gone_after_about_ten_seconds(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from websockets.asyncio import server
+
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(server, 'serve', lambda *_, **options: given.update(options))
+    with Guard('127.0.0.1').guard_server():
+        server.serve(None, process_request=None)  # type: ignore[arg-type]
+    timeouts = [given[name] for name in ('ping_interval', 'ping_timeout', 'close_timeout')]
+    assert 10.0 <= sum(timeouts) <= 12.0
+    assert given['ping_timeout'] >= 8.0  # a browser on a loaded machine answers within
+
+
+@pytest.mark.parametrize('error', [OSError(36, 'File name too long'), ValueError('null byte')])
+def test_a_path_that_no_file_can_have_is_not_found(error: Exception) -> None:
+    from websockets import Headers
+
+    def answer(*_: Any) -> None:
+        raise error
+
+    guard = Guard('127.0.0.1')
+    connection = SimpleNamespace(
+        local_address=('127.0.0.1', PORT),
+        respond=lambda status, text: SimpleNamespace(status=status, headers=Headers()),
+    )
+    path = f'/{"x" * 300}?token={guard.token}'
+    request = SimpleNamespace(path=path, headers=Headers({'Host': HOST}))
+    response = asyncio.run(guard._checked_requests(answer)(connection, request))
+    assert response.status == HTTPStatus.NOT_FOUND

@@ -124,6 +124,8 @@ def test_a_request_for_a_foreign_host_or_from_a_foreign_page_is_refused(tmp_path
         own = {'Host': url.netloc}
         assert get(own)[0] == 200
         assert b'viser' in get(own)[1]
+        for long in ('x' * 300, 'x' * 8000):
+            assert ask('127.0.0.1', url.port, f'/{long}?{url.query}', own)[0] == 404
         for more in ({}, upgrade):
             for wrong in (
                 {'Host': 'evil.example'},
