@@ -34,7 +34,7 @@ def polyline(band: Any, theta: float) -> np.ndarray:
     """Return a band's path at theta, (k, 3) m."""
     c, s = np.cos(theta), np.sin(theta)
     d, b, _, _ = plane_at(band.section, c, s)
-    path = band_path(band, c, s, state_at(band.section, d, b, False))
+    path = band_path(band, c, s, state_at(band.section, d, b, 0, -1))
     P, u, e = (np.array(each) for each in (path.P, path.u, path.e))
     if not path.wrapped:
         return np.array([P, P + path.D * u])
