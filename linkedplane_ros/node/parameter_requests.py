@@ -9,7 +9,6 @@ from typing import Any
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -18,28 +17,34 @@ from ..errors import describe_value
 TYPES = frozenset(each.value for each in Parameter.Type)
 Answer = Callable[[Any, Any], Any]
 """From a request of a service and its empty response to the response."""
+Refuse = Callable[[ParameterMessage], SetParametersResult | None]
 
 
 def refuse_odd_requests(node: Node) -> None:
     """Let a node refuse parameters that it does not have, and values of no type, with a reason."""
 
-    def check_names(changes: list[Parameter]) -> list[Parameter]:
-        unknown = [each.name for each in changes if not node.has_parameter(each.name)]
-        if unknown:
-            raise ParameterNotDeclaredException(unknown)
-        return changes
+    def refuse(given: ParameterMessage) -> SetParametersResult | None:
+        reason = ''
+        if not node.has_parameter(given.name):
+            reason = 'undeclared; a parameter of this node expected'
+        elif given.value.type not in TYPES:
+            reason = (
+                f'type {given.value.type} given, {min(TYPES)} to {max(TYPES)} expected '
+                '(rcl_interfaces/ParameterType)'
+            )
+        text = f'parameter {describe_value(given.name)}: {reason}'
+        return SetParametersResult(successful=False, reason=text) if reason else None
 
-    node.add_pre_set_parameters_callback(check_names)
     for service in node.services:
         if service.srv_type is SetParameters:
-            service.callback = _answer_each(service.callback)
+            service.callback = _answer_each(service.callback, refuse)
         elif service.srv_type is SetParametersAtomically:
-            service.callback = _answer_all(service.callback)
+            service.callback = _answer_all(service.callback, refuse)
 
 
-def _answer_each(answer: Answer) -> Answer:
+def _answer_each(answer: Answer, refuse: Refuse) -> Answer:
     def answer_typed(request: Any, response: Any) -> Any:
-        refusals = [_refuse_type(each) for each in request.parameters]
+        refusals = [refuse(each) for each in request.parameters]
         typed = zip(request.parameters, refusals, strict=True)
         request.parameters = [each for each, refusal in typed if refusal is None]
         results = iter(answer(request, response).results)
@@ -49,9 +54,9 @@ def _answer_each(answer: Answer) -> Answer:
     return answer_typed
 
 
-def _answer_all(answer: Answer) -> Answer:
+def _answer_all(answer: Answer, refuse: Refuse) -> Answer:
     def answer_typed(request: Any, response: Any) -> Any:
-        refusals = filter(None, map(_refuse_type, request.parameters))
+        refusals = filter(None, map(refuse, request.parameters))
         refusal = next(refusals, None)
         if refusal is None:
             return answer(request, response)
@@ -59,13 +64,3 @@ def _answer_all(answer: Answer) -> Answer:
         return response
 
     return answer_typed
-
-
-def _refuse_type(given: ParameterMessage) -> SetParametersResult | None:
-    if given.value.type in TYPES:
-        return None
-    return SetParametersResult(
-        successful=False,
-        reason=f'parameter {describe_value(given.name)}: type {given.value.type} given, '
-        f'{min(TYPES)} to {max(TYPES)} expected (rcl_interfaces/ParameterType)',
-    )
