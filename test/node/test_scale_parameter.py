@@ -52,4 +52,4 @@ def test_a_running_node_takes_another_scale(node: MuscleStatePublisher, peer: Pe
     assert peer.until(lambda: bool(peer.diagnostics) and peer.values()['scale'] == '1.1,0.9,1.3')
     [refused] = node.set_parameters([Parameter('scale', value=-1.0)])
     assert not refused.successful
-    assert refused.reason == 'scale: -1 given, a factor > 0 expected'
+    assert refused.reason == 'scale: -1 given, a factor > 0 expected, from 0.2 to 5'
