@@ -19,8 +19,10 @@ from ..files import read_small_text
 SURROGATE = re.compile('[\ud800-\udfff]')  # half a character, as "\ud800" in YAML
 
 
-MOST_VALUES = 100_000  # of a file: more take longer than anyone waits
-LONGEST_NUMBER = 1000  # characters: the time that a number in base 60 takes grows with their square
+MOST_VALUES = 10_000  # of a file: more take longer than anyone waits
+DEEPEST = 20  # levels, the values in the last list counted
+LONGEST_NUMBER = 1000  # characters
+INTEGER = re.compile('[-+]?(0|[1-9][0-9]*)|0x[0-9a-fA-F]+')  # the same in YAML 1.1 and 1.2
 
 
 class StrictLoader(yaml.SafeLoader):
@@ -32,7 +34,7 @@ class StrictLoader(yaml.SafeLoader):
     def __init__(self, stream: str) -> None:
         """Begin to count the values."""
         super().__init__(stream)
-        self._values = 0
+        self._values = self._depth = 0
 
     def get_single_node(self) -> yaml.Node | None:
         """Return the node of the text; a YAML error if its aliases make too much of it."""
@@ -42,11 +44,16 @@ class StrictLoader(yaml.SafeLoader):
         return node
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
-        """Return the next node; a YAML error if there were too many."""
+        """Return the next node; a YAML error if there were too many, or it is too deep."""
         self._values += 1
         if self._values > MOST_VALUES:
             raise yaml.MarkedYAMLError(problem=f'more than {MOST_VALUES} values')
-        return super().compose_node(parent, index)
+        if self._depth >= DEEPEST:
+            raise yaml.MarkedYAMLError(problem=f'nested too deeply, more than {DEEPEST} levels')
+        self._depth += 1
+        node: yaml.Node | None = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
 
     def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
         """Return the next scalar; a YAML error at a number or a text that no file should have."""
@@ -54,10 +61,27 @@ class StrictLoader(yaml.SafeLoader):
         if node.tag.endswith((':int', ':float')) and len(node.value) > LONGEST_NUMBER:
             problem = f'a number of {len(node.value)} characters'
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+        if is_ambiguous(node):
+            problem = (
+                f'{describe_value(node.value)} is a number in YAML 1.1 that 1.2 reads otherwise; '
+                'write it in decimal without leading zeros, : and _ (text: in quotes)'
+            )
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
         if SURROGATE.search(node.value):
             problem = f'{describe_value(node.value)} is not Unicode'
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
         return node
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        """Return the value of a node; a YAML error if it is not what its tag says."""
+        try:
+            return super().construct_object(node, deep)
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+            if not isinstance(node, yaml.ScalarNode):
+                raise
+        kind = node.tag.rpartition(':')[2]
+        problem = f'a value cannot be read: {describe_value(node.value)} is no {kind}'
+        raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Return the mapping; a YAML error at the second of two like keys."""
@@ -69,6 +93,13 @@ class StrictLoader(yaml.SafeLoader):
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
             keys.add(key)
         return super().construct_mapping(node, deep)
+
+
+def is_ambiguous(node: yaml.ScalarNode) -> bool:
+    """Return whether a number is another one, or text, in YAML 1.2: octal, base 60, with _."""
+    if node.tag.endswith(':int'):
+        return bool(node.value) and not INTEGER.fullmatch(node.value)
+    return node.tag.endswith(':float') and any(each in node.value for each in ':_')
 
 
 def count_values(node: yaml.Node, known: dict[int, float]) -> float:

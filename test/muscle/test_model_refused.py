@@ -11,6 +11,7 @@ import yaml
 from spoilt_models import REQUIRED, WRONG, Content, Write, spoil
 
 from linkedplane_ros import BroadMuscle, ModelError
+from linkedplane_ros.muscle.yaml_mapping import load_yaml
 
 
 def refusal(path: Path | str) -> str:
@@ -101,7 +102,6 @@ NAMED = {  # what YAML makes of a name: text of it, and what the message calls t
     'null': 'nothing',
     '~': 'nothing',
     '2024-01-01': 'the date 2024-01-01',
-    '1:30': '90',
     '.inf': 'inf',
 }
 SECTIONS = {
@@ -145,20 +145,31 @@ def bomb(levels: int, inner: str = '[{}]') -> str:
 @pytest.mark.parametrize(
     ('text', 'reason'),
     [
-        (bomb(30), 'more than 100000 values by aliases (*)'),
-        (bomb(30, '{{<<: [{}]}}'), 'more than 100000 values by aliases (*)'),
-        ('a: &a [*a]', 'more than 100000 values by aliases (*)'),
-        ('&a {a: *a}', 'more than 100000 values by aliases (*)'),
-        ('a: [' + '1,' * 300_000 + ']', 'more than 100000 values'),
+        (bomb(30), 'more than 10000 values by aliases (*)'),
+        (bomb(30, '{{<<: [{}]}}'), 'more than 10000 values by aliases (*)'),
+        ('a: &a [*a]', 'more than 10000 values by aliases (*)'),
+        ('&a {a: *a}', 'more than 10000 values by aliases (*)'),
+        ('a: [' + '1,' * 300_000 + ']', 'more than 10000 values'),
+        ('a: [' + '1,' * 10_000 + ']', 'more than 10000 values'),
         ('[' * 100_000, 'nested too deeply'),
+        ('[' * 21 + ']' * 21, 'nested too deeply'),
+        ('a: ' + '{a: ' * 21 + '1' + '}' * 21, 'nested too deeply'),
         ('a: ' + '1:' * 300_000 + '1', 'at line 1: a number of 600001 characters'),
-        ('a: ' + '1:' * 400 + '1.5', 'a value cannot be read: int too large'),
+        *(
+            (
+                f'a: [{text}]',
+                f"at line 1: '{text}' is a number in YAML 1.1 that 1.2 reads otherwise",
+            )
+            for text in ('010', '-017', '1:30', '1:30.5', '1_000', '1_0.5', '0b11')
+        ),
         ('a: ' + '7' * 900_000, 'at line 1: a number of 900000 characters'),
         ('a: "\\ud800"', "at line 1: '\\ud800' is not Unicode"),
         ('a: !!bool maybe', 'a value cannot be read'),
         ('a: !!int ""', 'a value cannot be read'),
         ('a: !!timestamp now', 'a value cannot be read'),
-        ('a: 2024-13-45', 'a value cannot be read: month must be in 1..12'),
+        ('a: 2024-13-45', "at line 1: a value cannot be read: '2024-13-45' is no timestamp"),
+        ('\na: !!float ""', "at line 2: a value cannot be read: '' is no float"),
+        ('a: !!timestamp "x"', "at line 1: a value cannot be read: 'x' is no timestamp"),
     ],
 )
 def test_yaml_that_is_a_trap_is_refused_in_a_short_line(
@@ -168,7 +179,12 @@ def test_yaml_that_is_a_trap_is_refused_in_a_short_line(
     message = refusal(path)
     assert message.startswith(f'{path}: not valid YAML')
     assert reason in message
-    assert len(message) < len(str(path)) + 150
+    assert len(message) < len(str(path)) + 190
+
+
+@pytest.mark.parametrize('text', ['10', '-10', '0', '+7', '0x1F', '010.5', '1.0e-3', '"1:30"'])
+def test_what_every_yaml_reads_alike_is_read(text: str) -> None:
+    assert load_yaml(text) == yaml.safe_load(text)
 
 
 def test_a_list_may_be_used_twice_by_an_alias(content: Content, write: Write) -> None:
