@@ -41,6 +41,11 @@ LEFT: list[subprocess.Popen[bytes]] = []  # started by the test that runs
 READERS: list[Reader] = []  # made by the test that runs
 
 
+def hear_hangup() -> None:
+    """Let a child end when its terminal does, also where the tests run under nohup."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 def end_what_is_left() -> None:
     """End every process that a test has started and not stopped, and every reader it has made."""
     for process in LEFT:
@@ -69,7 +74,12 @@ class NodeProcess:
         with log.open('wb') as out:
             # what is open for children is the lock of the ROS domain
             self.process = subprocess.Popen(
-                command, stdout=out, stderr=out, env=compiled, close_fds=False
+                command,
+                stdout=out,
+                stderr=out,
+                env=compiled,
+                close_fds=False,
+                preexec_fn=hear_hangup,
             )
         LEFT.append(self.process)
 

@@ -44,7 +44,8 @@ def test_a_name_that_is_no_model_is_refused_with_those_there_are(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     line = command_fault(capsys, 'info', 'biceps')
-    known = 'deltoid, deltoid_ackland2008, deltoid_girdle, example_humerus_spheres'
+    known = 'deltoid, deltoid_ackland2008, deltoid_girdle, example_humerus_spheres, example_'
+    known += 'shared_sphere'
     assert f"'biceps' is neither a bundled model ({known}) nor a path to a .yaml file" in line
 
 

@@ -132,7 +132,7 @@ def test_an_end_inside_its_sphere_leaves_a_straight_band(end: str) -> None:
     D = np.linalg.norm(R @ insertions[0] - origins[0])
     for theta in THETAS:
         d, b, _, _ = plane_at(band.section, np.cos(theta), np.sin(theta))
-        assert state_at(band.section, d, b, False) == INSIDE
+        assert state_at(band.section, d, b, 0, -1) == INSIDE
         assert energy([band], theta, False, -1) == (pytest.approx(D, abs=SAME), 0.0, 0.0)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from rclpy.node import Node
-from ros_harness import NodeProcess, Peer, together
+from ros_harness import NodeProcess, Peer, hear_hangup, together
 from unhurried import PATIENCE
 
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
@@ -76,6 +76,7 @@ def test_the_demonstration_ends_and_leaves_no_node_behind(how: signal.Signals) -
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=hear_hangup,
     )
     assert process.stdout is not None
     try:
