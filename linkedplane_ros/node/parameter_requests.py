@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 from ..errors import describe_value
 
 TYPES = frozenset(each.value for each in Parameter.Type)
-Answer = Callable[[Any, Any], Any]
+RequestHandler = Callable[[Any, Any], Any]
 """From a request of a service and its empty response to the response."""
 Refuse = Callable[[ParameterMessage], SetParametersResult | None]
 
@@ -42,7 +42,7 @@ def refuse_odd_requests(node: Node) -> None:
             service.callback = _answer_all(service.callback, refuse)
 
 
-def _answer_each(answer: Answer, refuse: Refuse) -> Answer:
+def _answer_each(answer: RequestHandler, refuse: Refuse) -> RequestHandler:
     def answer_typed(request: Any, response: Any) -> Any:
         refusals = [refuse(each) for each in request.parameters]
         typed = zip(request.parameters, refusals, strict=True)
@@ -54,7 +54,7 @@ def _answer_each(answer: Answer, refuse: Refuse) -> Answer:
     return answer_typed
 
 
-def _answer_all(answer: Answer, refuse: Refuse) -> Answer:
+def _answer_all(answer: RequestHandler, refuse: Refuse) -> RequestHandler:
     def answer_typed(request: Any, response: Any) -> Any:
         refusals = filter(None, map(refuse, request.parameters))
         refusal = next(refusals, None)
