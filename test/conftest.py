@@ -7,6 +7,7 @@ import fcntl
 import gc
 import os
 import re
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
 
-FEWEST = 3450  # tests in all
+FEWEST = 4800  # tests in all
 SHARED_MEMORY = Path('/dev/shm')
 SEGMENT = re.compile(r'fastrtps_[0-9a-f]{16}')  # Fast DDS; each has a lock file beside it, .._el
 
@@ -47,6 +48,12 @@ def own_domain() -> tuple[int, IO[str]]:
         if file is not None:
             return domain, file
     raise pytest.UsageError('all 101 ROS domains are taken by other test runs on this machine')
+
+
+def pytest_configure() -> None:
+    """Let what the tests start be interrupted, also where a shell runs them in the background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(tryfirst=True)
