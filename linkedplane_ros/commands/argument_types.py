@@ -30,6 +30,13 @@ def sign(text: str) -> float:
     return _number(text, lambda value: abs(value) == 1.0, '1 or -1')
 
 
+def number_or_still(text: str) -> float | str:
+    """Return a finite number or the word still, for argparse."""
+    if text == 'still':
+        return text
+    return _number(text, math.isfinite, 'a finite number or the word still')
+
+
 def _number(text: str, is_valid: Callable[[float], bool], expected: str) -> float:
     try:
         value = float(text)

@@ -16,7 +16,15 @@ from typing import TYPE_CHECKING
 from ..errors import LinkedPlaneError, escape_controls
 from ..files import find_abandoned, workshop_of
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION
-from .argument_types import add_muscle, add_scale, add_side, positive_count, positive_number, sign
+from .argument_types import (
+    add_muscle,
+    add_scale,
+    add_side,
+    number_or_still,
+    positive_count,
+    positive_number,
+    sign,
+)
 from .progress import ProgressBar
 
 if TYPE_CHECKING:
@@ -70,10 +78,11 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
     add('--rhythm', metavar='NAME',
         help='how it follows, with --thorax: constant_ratio, de_groot_brand_2001, mobl, '
         'or a number, the ratio of glenohumeral to scapulothoracic elevation (default: 2)')
-    add('--rest', nargs='+', type=float, metavar='RAD',
-        help='the scapula with the arm hanging, as the rhythm starts from it: protraction, lateral '
-        "rotation, tilt, rad; and, if known, the humerus' plane of elevation and elevation there "
-        "(default: the thorax's axes for a ratio, else those of an average subject)")
+    add('--rest', nargs='+', type=number_or_still, metavar='RAD',
+        help='where the rhythm starts from. still: the first second in which the arm hangs still; '
+        'or numbers, the scapula with the arm hanging, protraction, lateral rotation, tilt, rad, '
+        "and, if known, the humerus' plane of elevation and elevation there "
+        "(default: the thorax's axes for a ratio, else the angles of an average subject)")
     add('--frame-axes', choices=('model', 'isb'),
         help='axes of the frames. model: x to the right, y anterior, z superior; '
         'isb: x anterior, y superior, z to the right (default: model)')

@@ -52,9 +52,10 @@ class Options:
     rhythm: str | None = None
     """How the scapula follows, with thorax: a name of RHYTHMS, or the ratio of glenohumeral to
     scapulothoracic elevation; None: constant_ratio, 2."""
-    rest: Sequence[float] | None = None
+    rest: Sequence[float | str] | None = None
     """rad, the scapula's three angles at rest (`GIRDLE`), and if known the humerus' plane of
-    elevation and elevation there; None: as the rhythm has them."""
+    elevation and elevation there; or the word still: as in the recording's first still second;
+    None: as the rhythm has them."""
     frame_axes: str | None = None
     """The axes of the bones' frames, model or isb; None: model."""
     frame_id: str = 'scapula'
@@ -80,11 +81,8 @@ class Options:
             raise LinkedPlaneError('--rhythm: only for angles against the thorax (--thorax)')
         if self.rest is not None and self.thorax is None:
             raise LinkedPlaneError('--rest: only with a rhythm, against the thorax (--thorax)')
-        if self.rest is not None and len(self.rest) not in (3, 5):
-            raise LinkedPlaneError(
-                f'--rest: {len(self.rest)} numbers given; 3 expected, the angles of the scapula, '
-                'or 5, with plane and elevation of the humerus'
-            )
+        if self.rest is not None and not self.rests_still:
+            Rest.from_numbers(self.rest, '--rest')
         if (self.humerus is not None) != has_base:
             raise LinkedPlaneError('--humerus NAME goes with --scapula NAME or --thorax NAME')
         if '' in (self.humerus, self.scapula, self.thorax):
@@ -111,14 +109,18 @@ class Options:
         return JointMap((a, b, c), (i, j, k), (x, y, z))
 
     @property
+    def rests_still(self) -> bool:
+        """Whether the rest is that of the recording's first still second."""
+        return self.rest is not None and list(self.rest) == ['still']
+
+    @property
     def bones(self) -> BoneFrames | None:
         """The frames to take the angles from; None: they are joint angles."""
         if self.humerus is None:
             return None
         rest = None
-        if self.rest is not None:
-            a, b, c, *humerus = self.rest
-            rest = Rest((a, b, c), humerus=(humerus[0], humerus[1]) if humerus else None)
+        if self.rest is not None and not self.rests_still:
+            rest = Rest.from_numbers(self.rest, '--rest')
         rhythm = rhythm_from(self.rhythm or 'constant_ratio')
         axes = self.frame_axes or 'model'
         return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm, rest)

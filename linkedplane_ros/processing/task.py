@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -22,8 +22,11 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
 from ..recordings.formats import TABLES, check_format
 from ..recordings.motion import Chunk, Motion, Refusals
+from ..recordings.poses import BoneFrames
 from ..recordings.smoothing import SmoothedMotion
 from ..recordings.table_motion import TableMotion
+from ..skeleton.girdle import HUMERUS, Rest
+from ..skeleton.still_second import NOT_STILL, find_rest
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..types import Floats
 from .bag_output import BagOutput
@@ -89,6 +92,8 @@ def open_motion(task: Task) -> Motion:
     elif options.time is not None:
         raise RecordingError(f'{source}: a bag has stamps; --time is for tables')
     elif bones is not None:
+        if options.rests_still:
+            bones = replace(bones, rest=read_rest(source, bones, options.side))
         motion = BagMotion.from_poses(source, bones, convention, options.side)
     else:
         motion = BagMotion.from_joint_states(
@@ -97,6 +102,34 @@ def open_motion(task: Task) -> Motion:
     if options.rate is None and options.lowpass is None and not options.differentiate:
         return motion
     return SmoothedMotion(motion, options.rate, options.lowpass)
+
+
+def read_rest(source: Path, bones: BoneFrames, side: str) -> Rest:
+    """Return the rest in a bag's first still second; RecordingError if it has none.
+
+    Parameters
+    ----------
+    source
+        The bag.
+    bones
+        Of the poses in it: the humerus against the thorax.
+    side
+        'right' or 'left': which shoulder the frames are of.
+    """
+    against_thorax = replace(bones, scapula=bones.thorax, thorax=None)
+    motion = BagMotion.from_poses(source, against_thorax, HUMERUS, side)
+    motion.keeps_records = False
+    still = find_rest(
+        (stamp, {'humerus': HUMERUS.rotation(angles)})
+        for chunk in motion.chunks()
+        for stamp, angles in zip(chunk.stamps.tolist(), chunk.angles, strict=True)
+    )
+    if still.rest is None:
+        raise RecordingError(
+            f'{source}: --rest still: {NOT_STILL}; give --rest PROTRACTION LATERAL TILT PLANE '
+            'ELEVATION, rad, or leave it out'
+        )
+    return still.rest
 
 
 def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDescription:

@@ -11,12 +11,15 @@ y-z-x in Delft's axes (x right, y up, z back).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, MINUS_Y, JointConvention, X, Z, as_triple
 from ..types import Floats, Triple
 from .skeleton import BonePose, Skeleton
@@ -54,7 +57,10 @@ class Rest:
 
     @classmethod
     def measured(
-        cls, scapula: npt.ArrayLike, clavicle: npt.ArrayLike, humerus: npt.ArrayLike
+        cls,
+        scapula: npt.ArrayLike | None,
+        clavicle: npt.ArrayLike | None,
+        humerus: npt.ArrayLike,
     ) -> Rest:
         """Return the rest of measured poses.
 
@@ -62,6 +68,7 @@ class Rest:
         ----------
         scapula, clavicle, humerus
             (3, 3) against the thorax, right shoulder, the model's axes; as a mean of still frames.
+            None: not known, an average subject's.
 
         Returns
         -------
@@ -74,9 +81,38 @@ class Rest:
             For anything but proper rotations.
         """
         plane, elevation, _ = HUMERUS.angles(humerus).tolist()
-        a, b, c = GIRDLE.angles(scapula).tolist()
-        d, e, f = GIRDLE.angles(clavicle).tolist()
+        a, b, c = cls.scapula if scapula is None else GIRDLE.angles(scapula).tolist()
+        d, e, f = cls.clavicle if clavicle is None else GIRDLE.angles(clavicle).tolist()
         return cls((a, b, c), (d, e, f), (plane, elevation))
+
+    @classmethod
+    def from_numbers(cls, numbers: Sequence[Any], name: str = 'rest') -> Rest:
+        """Return the rest of 3 or 5 numbers, rad, as a user gives them.
+
+        Parameters
+        ----------
+        numbers
+            The scapula's three angles, and if known the humerus' plane of elevation and elevation.
+        name
+            What they are called where they were given, for the error.
+
+        Returns
+        -------
+        Rest
+            With an average subject's clavicle.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For another count, and for numbers that are not finite.
+        """
+        if len(numbers) not in (3, 5):
+            raise LinkedPlaneError(
+                f'{name}: {len(numbers)} numbers given; 3 expected, the angles of the scapula, '
+                'or 5, with plane and elevation of the humerus'
+            )
+        a, b, c, *humerus = numbers
+        return cls((a, b, c), humerus=(humerus[0], humerus[1]) if humerus else None)
 
 
 @dataclass(frozen=True, eq=False)

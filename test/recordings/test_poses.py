@@ -271,3 +271,48 @@ def test_a_published_rhythm_starts_from_the_rest_that_is_given(
     line = 'linkedplane: --rest: 4 numbers given; 3 expected'
     assert main([*command, '--rest', '1', '1', '1', '1', '--force']) == 1
     assert line in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('side', ['right', 'left'])
+def test_the_rest_is_taken_from_the_first_still_second(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], side: str
+) -> None:
+    convention, mirror = JOINT_CONVENTIONS['isb_yxy'], np.diag((-1.0, 1.0, 1.0))
+    angles = [(0.5, 0.3 + 0.02 * k, 0.2) for k in range(60)]
+    angles += [(0.4, 0.25, 0.2)] * 101 + angles
+    sent = []
+    for k, each in enumerate(angles):
+        R = convention.rotation(each)
+        R = mirror @ R @ mirror if side == 'left' else R
+        sent += [pose(k, '/thorax', lab(k)), pose(k, '/humerus', lab(k) @ R)]
+    source = write_bag(tmp_path / 'in', sent)
+    command = ['process', str(source), str(tmp_path / 'out.csv'), '--humerus', '/humerus']
+    command += ['--thorax', '/thorax', '--rhythm', 'mobl', '--side', side]
+    given = ['0.559332', '0.186211', '-0.180122', '0.4', '0.25']  # an average subject's scapula
+    assert main([*command, '--rest', 'still']) == 0
+    facts, _, values = read_csv(tmp_path / 'out.csv')
+    assert facts['scapula_at_rest'] == ' '.join(given) + ' rad'
+    assert main([*command, '--rest', *given, '--force']) == 0
+    np.testing.assert_allclose(values, read_csv(tmp_path / 'out.csv')[2], rtol=0, atol=1e-6)
+
+
+def test_without_a_still_second_the_line_says_what_to_give_instead(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent = []
+    for k, angles in enumerate(ANGLES):
+        R = JOINT_CONVENTIONS['isb_yxy'].rotation(angles)
+        sent += [pose(k, '/thorax', np.eye(3)), pose(k, '/humerus', R)]
+    source = write_bag(tmp_path / 'in', sent)
+    command = ['process', str(source), str(tmp_path / 'out.csv'), '--humerus', '/humerus']
+    command += ['--thorax', '/thorax', '--rhythm', 'mobl']
+    assert main([*command, '--rest', 'still']) == 1
+    line = capsys.readouterr().err
+    assert line.startswith(f'linkedplane: {source}: --rest still: the arm has not hung still')
+    assert line.endswith(
+        'give --rest PROTRACTION LATERAL TILT PLANE ELEVATION, rad, or leave it out\n'
+    )
+    assert not (tmp_path / 'out.csv').exists()
+    for words in (['stil'], ['still', '0.1', '0.2'], ['0.1', '0.2', 'nan']):
+        assert main([*command, '--rest', *words]) in (1, 2)
+        assert 'rest' in capsys.readouterr().err
