@@ -32,7 +32,7 @@ test: .venv/.rivals check docs workspace  ## run all checks and tests
 QUICK := linked_planes joints muscle solver recordings processing drawing commands \
   cases documentation/test_blocks.py node/test_end_to_end.py node/test_topics.py node/test_parameters_checked.py
 
-quick: .venv/.made demo  ## run the demo and a part of the tests; with OLDEST=1 on the oldest libraries
+quick: .venv/.made $(if $(OLDEST),,check) demo  ## checks, demo, a part of the tests; OLDEST=1: no checks, oldest libraries
 	$(BIN)/python -m pytest -m 'not workspace and not browser' --numprocesses 2 $(QUICK:%=test/%)
 
 # Alone: the browser draws without a graphics card, and takes the machine for itself.

@@ -99,7 +99,7 @@ def _as_arrays(
 def _as_shape(name: str, values: Any, shape: tuple[str | int, ...]) -> Floats:
     array = as_floats(name, values, _describe(shape))
     if array.shape == (0,) and shape[0] == 'm':
-        array = np.empty((0, *shape[1:]))  # type: ignore[arg-type]
+        array = array.reshape(0, *(size for size in shape if isinstance(size, int)))
     suits = array.ndim == len(shape) and all(
         given == size for given, size in zip(array.shape, shape, strict=True) if size != 'm'
     )

@@ -102,7 +102,10 @@ def parts(folder: Path) -> list[Path]:
 
 def is_writing(process: int) -> bool:
     """Return whether a process has a folder open in which an output is written."""
-    return any('.part' in os.readlink(each) for each in Path(f'/proc/{process}/fd').iterdir())
+    try:
+        return any('.part' in os.readlink(each) for each in Path(f'/proc/{process}/fd').iterdir())
+    except OSError:  # closed while we look
+        return False
 
 
 @needs_proc
@@ -113,10 +116,11 @@ def test_a_worker_that_dies_costs_its_recording_alone(tmp_path: Path) -> None:
     reports = run_tasks(made, 2, None)
     with ThreadPoolExecutor(1) as pool:
         collected = pool.submit(list, reports)
-        while not parts(tmp_path / 'out'):
-            time.sleep(0.01)
-        workers = [each.pid for each in active_children() if each.pid is not None]
-        os.kill(next(filter(is_writing, workers)), signal.SIGKILL)
+        writing: list[int] = []
+        while not writing:
+            workers = [each.pid for each in active_children() if each.pid is not None]
+            writing = list(filter(is_writing, workers))
+        os.kill(writing[0], signal.SIGKILL)
         done = collected.result()
     faults = [report.fault for report in done if report.fault]
     assert len(done) == 3
