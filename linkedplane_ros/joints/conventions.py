@@ -9,7 +9,7 @@ y anterior, z superior. Angles are anatomical, so the left shoulder takes the sa
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -21,6 +21,7 @@ import numpy.typing as npt
 from ..errors import LinkedPlaneError, describe_value
 from ..linked_planes.compilation import entry
 from ..types import Floats, Interval, Triple
+from .articulation import REVOLUTE, MovedBones, rotated_poses
 from .rotations import as_rotation, rotation_about, rotation_rows
 from .sides import check_side, mirror_columns
 
@@ -52,6 +53,19 @@ class JointConvention:
     """What the convention's usual streams measure the humerus against."""
     mix: Triples = IDENTITY
     """(3, 3) what each turn takes of each angle."""
+
+    @property
+    def kinds(self) -> tuple[str, str, str]:
+        """Of each coordinate: REVOLUTE."""
+        return REVOLUTE, REVOLUTE, REVOLUTE
+
+    def move_bones(self, values: npt.ArrayLike, bones: Sequence[str], side: str) -> MovedBones:
+        """Return the bones: the last one turned, the others at rest (`Articulation`)."""
+        rotations, axes = self.rotations_and_axes(values)
+        poses = rotated_poses(rotations, len(bones) - 1)
+        screws = np.zeros((len(poses), 3, len(bones) - 1, 6))
+        screws[:, :, -1, :3] = axes.swapaxes(1, 2)
+        return MovedBones(poses, screws)
 
     def rotation(self, angles: npt.ArrayLike) -> Floats:
         """Return the rotation humerus -> scapula of three angles.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the joints of a message to the three angles of a convention, or a reason why not.
+"""From the joints of a message to the values of coordinates, or a reason why not.
 
 No message package is needed here: a JointState is read as its names and its sequences of numbers.
 """
@@ -11,12 +11,15 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 from ..errors import LinkedPlaneError, describe_value
-from ..types import Triple
+from .articulation import CONTINUOUS, PRISMATIC, REVOLUTE
 
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees, a larger offset refused
+MOST_TURNED = 1e6  # rad of a continuous joint: beyond, 1e-10 rad are lost
+FARTHEST = 100.0  # m of a prismatic joint: a larger value is taken for mm, a larger offset refused
 FASTEST = 1e9  # rad/s: beyond, no velocity of a joint; answers to it would lose their last digits
 REASONS = (
     'sizes',
@@ -24,12 +27,20 @@ REASONS = (
     'duplicate',
     'not_finite',
     'degrees',
+    'too_large',
     'incomplete',
     'stale',
     'no_plane',
     'answer_not_finite',
 )
 LONG_AGO = -math.inf  # s
+OF_ANGLES = 'a full turn at most expected, |offset| <= 2 pi rad'
+MOST_OFFSETS = {
+    REVOLUTE: OF_ANGLES,
+    CONTINUOUS: OF_ANGLES,
+    PRISMATIC: f'{FARTHEST:g} m at most expected of a prismatic joint',
+}
+LARGEST = {REVOLUTE: FULL_CIRCLE, CONTINUOUS: MOST_TURNED, PRISMATIC: FARTHEST}
 
 
 class Stamp(Protocol):
@@ -72,43 +83,64 @@ class OtherJoints(Rejected):
 
 @dataclass(frozen=True)
 class JointMap:
-    """Which joints are the convention's coordinates: angle = sign * position + offset.
+    """Which joints are d coordinates: angle = sign * position + offset.
 
     Raises
     ------
     LinkedPlaneError
-        Unless there are 3 different joints, finite signs, and offsets of a full turn at most.
+        Unless there are d different joints, finite signs, and offsets of a full turn at most (of
+        prismatic joints: of 100 m).
 
     """
 
-    names: tuple[str, str, str]
-    """The joints, in the order of the convention's coordinates."""
-    signs: Triple
-    offsets: Triple
-    """rad, a full turn at most"""
+    names: tuple[str, ...]
+    """The joints, in the order of the coordinates."""
+    signs: tuple[float, ...]
+    offsets: tuple[float, ...]
+    """rad, a full turn at most; of prismatic joints m."""
+    kinds: tuple[str, ...] = ()
+    """REVOLUTE, CONTINUOUS or PRISMATIC; empty: all revolute."""
+    idle: frozenset[str] = frozenset()
+    """The joints that move nothing that matters: they are not read, their coordinates stay 0."""
 
     def __post_init__(self) -> None:
         """Check the joints."""
-        if len(set(self.names)) < 3:
-            raise LinkedPlaneError(f'joints {", ".join(self.names)}: 3 different joints expected')
+        d = len(self.names)
+        if len(set(self.names)) < d:
+            raise LinkedPlaneError(f'joints {", ".join(self.names)}: {d} different joints expected')
+        if not len(self.signs) == len(self.offsets) == d == len(self.kinds or self.names):
+            counts = f'{len(self.signs)} signs and {len(self.offsets)} offsets'
+            raise LinkedPlaneError(f'joints {", ".join(self.names)}: {counts} given, {d} expected')
         if not all(map(math.isfinite, (*self.signs, *self.offsets))):
             raise LinkedPlaneError(
                 f'signs {describe_value(self.signs)}, offsets {describe_value(self.offsets)}: '
                 'finite numbers expected'
             )
-        if any(abs(offset) > FULL_CIRCLE for offset in self.offsets):
-            raise LinkedPlaneError(
-                f'offsets {describe_value(self.offsets)}: a full turn at most expected, '
-                '|offset| <= 2 pi rad'
-            )
+        kinds = self.kinds or (REVOLUTE,) * d
+        for offset, kind in zip(self.offsets, kinds, strict=True):
+            if abs(offset) > (FARTHEST if kind == PRISMATIC else FULL_CIRCLE):
+                raise LinkedPlaneError(
+                    f'offsets {describe_value(self.offsets)}: {MOST_OFFSETS[kind]}'
+                )
+
+    @cached_property
+    def needed(self) -> tuple[str, ...]:
+        """The joints that are read."""
+        return tuple(name for name in self.names if name not in self.idle)
+
+    @cached_property
+    def most(self) -> dict[str, float]:
+        """The largest position of each joint that is not revolute, rad or m."""
+        kinds = zip(self.names, self.kinds, strict=True) if self.kinds else ()
+        return {name: LARGEST[kind] for name, kind in kinds if kind != REVOLUTE}
 
     @staticmethod
     def from_facts(facts: Mapping[str, str]) -> JointMap:
         """Return the mapping that an output's metadata has; KeyError or ValueError for none."""
-        a, b, c = json.loads(facts['joints'])
-        i, j, k = map(float, facts['joint_signs'].split())
-        x, y, z = map(float, facts['joint_offsets_rad'].split())
-        return JointMap((a, b, c), (i, j, k), (x, y, z))
+        names = json.loads(facts['joints'])
+        signs = map(float, facts['joint_signs'].split())
+        offsets = map(float, facts['joint_offsets_rad'].split())
+        return JointMap(tuple(names), tuple(signs), tuple(offsets))
 
     @property
     def facts(self) -> dict[str, str]:
@@ -122,18 +154,24 @@ class JointMap:
 
 @dataclass
 class JointMemory:
-    """The newest accepted value of each of the three joints, as the messages gave it."""
+    """The newest accepted value of each joint that is needed, as the messages gave it."""
 
     joints: JointMap
     positions: dict[str, float] = field(default_factory=dict)
-    """rad, by the joint's name."""
+    """rad or m, by the joint's name."""
     velocities: dict[str, float] = field(default_factory=dict)
-    """rad/s, by the joint's name."""
+    """rad/s or m/s, by the joint's name."""
     timeout: float = 0.0
     """How much older than a message the other joints may be, s; 0: any time."""
     _seen: dict[str, Seen] = field(default_factory=dict)
     _names: list[str] | None = None
     _places: list[tuple[str, int]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Lay out the work on a message."""
+        joints = self.joints
+        self._rows = list(zip(joints.names, joints.signs, joints.offsets, strict=True))
+        self._count = len(joints.needed)
 
     def take_message(
         self,
@@ -142,7 +180,7 @@ class JointMemory:
         velocities: Sequence[float],
         stamp: Stamp | None = None,
         arrival: float = 0.0,
-    ) -> tuple[Triple, Triple | None, str]:
+    ) -> tuple[tuple[float, ...], tuple[float, ...] | None, str]:
         """Take one message in, and return the joints as they are then.
 
         Parameters
@@ -150,9 +188,9 @@ class JointMemory:
         names
             (k) any joints, in any order; each of ours at most once.
         positions
-            (k) rad
+            (k) rad or m
         velocities
-            (k) rad/s, or none at all.
+            (k) rad/s or m/s, or none at all.
         stamp
             Of the message; None or 0: it has none.
         arrival
@@ -160,17 +198,17 @@ class JointMemory:
 
         Returns
         -------
-        angles : Triple
-            rad, the coordinates of the convention.
-        velocities : Triple or None
-            rad/s; None where one of the three is not known for the newest position.
+        angles : tuple of float
+            (d) the coordinates, rad or m.
+        velocities : tuple of float or None
+            (d) rad/s or m/s; None where one is not known for the newest position.
         warning : str
             Why the message's velocities were left out; empty where they were not.
 
         Raises
         ------
         Rejected
-            Where the message cannot be used, which then changes nothing; and where not all three
+            Where the message cannot be used, which then changes nothing; and where not all the
             joints have been seen so far ('incomplete'), or not within the timeout ('stale').
 
         """
@@ -182,26 +220,44 @@ class JointMemory:
         fresh = {name: positions[i] for name, i in places}
         wrong = [name for name, q in fresh.items() if not abs(q) <= FULL_CIRCLE]  # also NaN
         if wrong:
-            raise _angle_fault(wrong[0], fresh[wrong[0]])
+            self._check_values(wrong, fresh)
         rates, warning = _usable_velocities(len(names), velocities, places)
         self.positions.update(fresh)
         seen = dict.fromkeys(fresh, (stamp, arrival))
-        self._seen = seen if len(seen) == 3 else self._seen | seen
+        self._seen = seen if len(seen) == self._count else self._seen | seen
         if len(rates) < len(fresh):  # a velocity is no older than the position it came with
             for name in fresh:
                 self.velocities.pop(name, None)
         self.velocities.update(rates)
-        known, speeds, joints = self.positions, self.velocities, self.joints
-        if len(known) < 3:
-            unseen = next(name for name in joints.names if name not in known)
+        known, speeds = self.positions, self.velocities
+        if len(known) < self._count:
+            unseen = self.find_unseen()[0]
             raise Rejected('incomplete', f'waiting for joint {unseen!r}, not seen so far')
-        if self.timeout and len(fresh) < 3:
+        if self.timeout and len(fresh) < self._count:
             self._check_ages(stamp, arrival)
-        (a, b, c), (i, j, k), (x, y, z) = joints.names, joints.signs, joints.offsets
-        angles = i * known[a] + x, j * known[b] + y, k * known[c] + z
-        if len(speeds) < 3:
-            return angles, None, warning
-        return angles, (i * speeds[a], j * speeds[b], k * speeds[c]), warning
+        if self.joints.idle:
+            angles = [s * known[n] + x if n in known else 0.0 for n, s, x in self._rows]
+        else:
+            angles = [s * known[n] + x for n, s, x in self._rows]
+        if len(speeds) < self._count:
+            return tuple(angles), None, warning
+        return tuple(angles), tuple([s * speeds.get(n, 0.0) for n, s, _ in self._rows]), warning
+
+    def find_unseen(self) -> list[str]:
+        """Return the joints that are needed and have not come so far."""
+        return [name for name in self.joints.needed if name not in self.positions]
+
+    def _check_values(self, doubtful: Sequence[str], values: Mapping[str, float]) -> None:
+        """Reject values that are not finite, or too large for their kinds of joints."""
+        for name in doubtful:
+            q, most = values[name], self.joints.most.get(name)
+            if not math.isfinite(q):
+                raise Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
+            if most is None:
+                text = f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)'
+                raise Rejected('degrees', text)
+            if abs(q) > most:
+                raise Rejected('too_large', f'joint {name!r} is {q:g}; at most {most:g} expected')
 
     def _check_ages(self, stamp: Stamp | None, arrival: float) -> None:
         """Reject a message unless all joints are of its time, by their stamps and arrivals.
@@ -209,7 +265,7 @@ class JointMemory:
         A joint from after the message is one from before time went back: it is never used again.
         """
         now = read_seconds(stamp)
-        for name in self.joints.names:
+        for name in self.joints.needed:
             seen_stamp, seen_arrival = self._seen[name]
             then, by_arrival = read_seconds(seen_stamp), arrival - seen_arrival
             by_stamp = now - then if now and then else 0.0
@@ -227,17 +283,19 @@ class JointMemory:
 
     def find_ages(self, now: float) -> dict[str, float]:
         """Return how long ago each joint seen so far came, s; `now` on the clock of arrivals."""
-        return {name: now - self._seen[name][1] for name in self.joints.names if name in self._seen}
+        return {
+            name: now - self._seen[name][1] for name in self.joints.needed if name in self._seen
+        }
 
     def _find_places(self, names: Sequence[str]) -> list[tuple[str, int]]:
         """Return the joints' places among the names."""
         if names != self._names:
             last = {name: i for i, name in enumerate(names)}
-            places = [(name, last[name]) for name in self.joints.names if name in last]
+            places = [(name, last[name]) for name in self.joints.needed if name in last]
             if len(last) < len(names):
                 _check_counts([name for name, _ in places], names)
             if not places:
-                wanted = self.joints.names
+                wanted = self.joints.needed
                 if len(names):
                     raise OtherJoints(wanted, names)
                 raise Rejected('no_joint', explain_missing(wanted, names))
@@ -257,12 +315,6 @@ def _check_counts(ours: Sequence[str], names: Sequence[str]) -> None:
             raise Rejected(
                 'duplicate', f'joint {name!r} is in it {counts[name]} times; once expected'
             )
-
-
-def _angle_fault(name: str, q: float) -> Rejected:
-    if not math.isfinite(q):
-        return Rejected('not_finite', f'joint {name!r} is {q}; a finite angle expected')
-    return Rejected('degrees', f'joint {name!r} is {q:g}: degrees? radians expected (|q| <= 2 pi)')
 
 
 def _usable_velocities(

@@ -40,6 +40,16 @@ def mirror_columns(axes: Floats) -> Floats:
     return axes * _AXES[:, np.newaxis]
 
 
+def mirror_poses(poses: Floats) -> Floats:
+    """Return poses (..., 3, 4), R and t side by side, mirrored."""
+    return poses * np.outer(_POINTS, [*_POINTS, 1.0]) + 0.0  # -0.0 is 0.0
+
+
+def mirror_screws(screws: Floats) -> Floats:
+    """Return screws (w, v), or wrenches (moment, force), (..., 6) mirrored."""
+    return screws * np.concatenate((_AXES, _POINTS))
+
+
 def mirror_rotation(rotation: Floats) -> Floats:
     """Return a (3, 3) rotation mirrored: by the same angle about the mirrored axis, back."""
     return rotation * np.outer(_POINTS, _POINTS) + 0.0  # -0.0 is 0.0

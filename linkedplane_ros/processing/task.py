@@ -17,7 +17,7 @@ import numpy as np
 
 from .. import __version__
 from ..errors import LinkedPlaneError, RecordingError
-from ..joints.conventions import JointConvention
+from ..joints.articulation import Articulation
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
 from ..recordings.formats import TABLES, check_format
@@ -181,38 +181,37 @@ def open_output(
 
 
 def solve_chunk(
-    chunk: Chunk, solver: LinkedPlaneSolver, convention: JointConvention, refused: Refusals
+    chunk: Chunk, solver: LinkedPlaneSolver, moved_by: Articulation, refused: Refusals
 ) -> SolvedChunk:
     """Solve a chunk; refuse and leave out frames at which a band has no plane.
 
     Parameters
     ----------
     chunk
-        Angles of the convention.
+        Values of the coordinates.
     solver
         Of the muscle and the side.
-    convention
-        What the angles mean.
+    moved_by
+        What moves the muscle's bones.
     refused
         Where refused frames are counted.
     """
-    rotations, axes = convention.rotations_and_axes(chunk.angles, solver.side)
     try:
-        states = solver.solve_batch(rotations)
+        answers = solver.answer_batch(moved_by, chunk.angles, chunk.speeds)
     except LinkedPlaneError:
-        good = np.array([has_planes(solver, each) for each in rotations])
+        good = np.array([has_planes(solver, moved_by, each) for each in chunk.angles])
         for stamp in chunk.stamps[~good].tolist():
             refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
-        return solve_chunk(chunk.select(good), solver, convention, refused)
-    arms = states.moment_vectors @ axes
-    lengthening = -np.einsum('knj,kj->kn', arms, chunk.speeds)
-    return SolvedChunk(chunk, states, arms, lengthening)
+        if good.all():
+            raise
+        return solve_chunk(chunk.select(good), solver, moved_by, refused)
+    return SolvedChunk(chunk, answers.states, answers.moment_arms, answers.lengthening)
 
 
-def has_planes(solver: LinkedPlaneSolver, rotation: Floats) -> bool:
-    """Return whether every band has a plane at a rotation (3, 3)."""
+def has_planes(solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats) -> bool:
+    """Return whether every band has a plane at values (d,) of the coordinates."""
     try:
-        solver.solve(rotation)
+        solver.answer(moved_by, values, np.zeros_like(values))
     except LinkedPlaneError:
         return False
     return True

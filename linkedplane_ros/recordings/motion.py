@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import RecordingError
-from ..types import Bools, Floats, Stamps, Triple
+from ..types import Bools, Floats, Stamps
 from .units import AngleRange, AngleUnit
 
 LATEST = 2.0**31  # s: a stamp holds no more
@@ -124,9 +124,9 @@ class Frame(NamedTuple):
     """ns"""
     place: Place
     """The message that brought it."""
-    angles: Triple
+    angles: tuple[float, ...]
     """rad"""
-    speeds: Triple | None = None
+    speeds: tuple[float, ...] | None = None
     """rad/s; None where not known."""
 
 

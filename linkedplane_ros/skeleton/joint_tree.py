@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..errors import LONGEST, SkeletonError, describe_value
+from ..joints.articulation import CONTINUOUS, PRISMATIC, REVOLUTE
 from ..types import Interval, Point, Triple
 
-FIXED, PRISMATIC = 'fixed', 'prismatic'
-KINDS = ('revolute', 'continuous', PRISMATIC, FIXED)
+FIXED = 'fixed'
+KINDS = (REVOLUTE, CONTINUOUS, PRISMATIC, FIXED)
 MOST_LINKS = 1000
 UNLIMITED: Interval = (-math.inf, math.inf)
 
@@ -64,6 +65,8 @@ class JointTree:
     """As the URDF lists them."""
     bones: tuple[str, ...] = ()
     """The links for which the URDF says it was made, the ground first; () where it does not say."""
+    side: str = ''
+    """The side of the body that it says it is of; empty where it does not say."""
 
     def __post_init__(self) -> None:
         if not self.links:

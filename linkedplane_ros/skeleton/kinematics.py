@@ -124,11 +124,10 @@ def pose_bones(
     frames: Floats,
     ways: Integers,
     values: Floats,
-    rotations: Floats,
-    points: Floats,
+    poses: Floats,
     screws: Floats,
 ) -> None:
-    """Fill in poses (m, k, 3, 3), (m, k, 3) and screws (m, d, k, 6) at values (m, d).
+    """Fill in poses (m, k, 3, 4) and screws (m, d, k, 6) at values (m, d).
 
     All are in the ground's frame; `joints` to `ways` are the chain's.
 
@@ -143,10 +142,7 @@ def pose_bones(
         G = transposed(G)
         for k in range(len(bones) - 1):
             R, o = beyond(links[bones[k + 1]], frames[k + 1])
-            R, o = product(G, R), turned(G, minus(o, g))
-            for i in range(3):
-                points[m, k, i] = o[i]
-                rotations[m, k, i, 0], rotations[m, k, i, 1], rotations[m, k, i, 2] = R[i]
+            fill_pose(poses[m, k], product(G, R), turned(G, minus(o, g)))
             screws[m, :, k, :] = 0.0
             for i in range(len(joints)):
                 source, sign = joints[i, SOURCE], ways[k, i]

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..joints.articulation import PRISMATIC
 from ..joints.rotations import rotation_about
 from ..types import Floats, Point, Triple
-from .joint_tree import FIXED, PRISMATIC, Joint, JointTree
+from .joint_tree import FIXED, Joint, JointTree
 from .kinematics import NUMBERS, SLIDING, STILL, TURNING, Chain
 
 X, Y, Z = np.eye(3)

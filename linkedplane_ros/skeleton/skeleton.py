@@ -14,8 +14,10 @@ import numpy.typing as npt
 
 from ..errors import SkeletonError, describe_value
 from ..files import read_regular_file
+from ..joints.articulation import MovedBones
 from ..joints.conventions import as_triple
 from ..joints.rotations import as_floats
+from ..joints.sides import mirror_poses, mirror_screws
 from ..types import Floats, Intervals, Point, Triple
 from .joint_tree import JointTree, list_names
 from .kinematics import FACTOR, SOURCE, Chain, pose_bones
@@ -52,6 +54,11 @@ class Skeleton:
     """(d,) rad or m, where the bones' frames coincide; None where each has its link's own."""
     origin: Origin = SAME_PLACE
     """Of the ground's frame in its link."""
+
+    @property
+    def side(self) -> str:
+        """The side of the body that the URDF says it is of; empty: that of its muscle."""
+        return self.tree.side
 
     @staticmethod
     def load(name: str | Path) -> Skeleton:
@@ -278,9 +285,11 @@ class Skeleton:
             As `pose`.
 
         """
-        rotations, points, screws = self._move(self._as_values(q)[np.newaxis])
-        poses = zip(rotations[0], points[0], strict=True)
-        return dict(zip(self.bones[1:], poses, strict=True)), screws[0]
+        poses, screws = self._move(self._as_values(q)[np.newaxis])
+        return {
+            bone: (pose[:, :3], pose[:, 3])
+            for bone, pose in zip(self.bones[1:], poses[0], strict=True)
+        }, screws[0]
 
     def pose_batch(self, q: npt.ArrayLike) -> dict[str, BonePose]:
         """Return the poses at many values; each is, to the bit, that of `pose`.
@@ -301,8 +310,10 @@ class Skeleton:
             As `pose`.
 
         """
-        rotations, points, _ = self._move(self._as_values(q, batch=True))
-        return {bone: (rotations[:, k], points[:, k]) for k, bone in enumerate(self.bones[1:])}
+        poses = self._move(self._as_values(q, batch=True)).poses
+        return {
+            bone: (poses[:, k, :, :3], poses[:, k, :, 3]) for k, bone in enumerate(self.bones[1:])
+        }
 
     def screws_batch(self, q: npt.ArrayLike) -> Floats:
         """Return the screws at many values; each is, to the bit, that of `screws`.
@@ -323,7 +334,25 @@ class Skeleton:
             As `pose`.
 
         """
-        return self._move(self._as_values(q, batch=True))[2]
+        return self._move(self._as_values(q, batch=True)).screws
+
+    def move_bones(self, values: npt.ArrayLike, bones: Sequence[str], side: str) -> MovedBones:
+        """Return the bones of a muscle at values of the coordinates (`Articulation`).
+
+        A skeleton of the right side moves a muscle of the left one as its mirror image, by the same
+        values: a joint that lifts the right arm lifts the left one. So does one of the left a
+        muscle of the right. A skeleton that states no side is of the muscle's own: its poses are
+        taken as they are, its ground frame with x to the body's right on either side.
+        """
+        if tuple(bones) != self.bones:
+            raise self.tree.fault(
+                f'for the bones {list_names(self.bones)}, the muscle has {list_names(bones)}; '
+                'skeleton.for_bones(solver.bones) is for these'
+            )
+        moved = self._move(self._as_values(values, 'values', batch=True))
+        if (self.side or side) == 'left':
+            return MovedBones(mirror_poses(moved.poses), mirror_screws(moved.screws))
+        return moved
 
     def _as_values(self, q: npt.ArrayLike, name: str = 'q', batch: bool = False) -> Floats:
         """Return values (d,), or (m, d), of the coordinates; an error but for finite numbers."""
@@ -340,10 +369,10 @@ class Skeleton:
             raise SkeletonError(f'{name}: {self.coordinates[i]} is not a finite number')
         return values
 
-    def _move(self, values: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return rotations (m, k, 3, 3), points (m, k, 3) and screws (m, d, k, 6) of the bones."""
+    def _move(self, values: Floats) -> MovedBones:
+        """Return the bones of the side that the skeleton is of."""
         (m, d), k = values.shape, len(self.bones) - 1
-        moved = np.empty((m, k, 3, 3)), np.empty((m, k, 3)), np.empty((m, d, k, 6))
+        moved = MovedBones(np.empty((m, k, 3, 4)), np.empty((m, d, k, 6)))
         pose_bones(*self._chain, values, *moved)
         return moved
 
@@ -354,9 +383,9 @@ class Skeleton:
         chain.frames[0] = place_in_link(*self.origin)
         if self.rest is not None:
             k, values = len(self.bones) - 1, np.array([self.rest])
-            rotations, points = np.empty((1, k, 3, 3)), np.empty((1, k, 3))
-            pose_bones(*chain, values, rotations, points, np.empty((1, len(self.rest), k, 6)))
-            for i, (R, t) in enumerate(zip(rotations[0], points[0], strict=True)):
+            poses = np.empty((1, k, 3, 4))
+            pose_bones(*chain, values, poses, np.empty((1, len(self.rest), k, 6)))
+            for i, (R, t) in enumerate(zip(poses[0, :, :, :3], poses[0, :, :, 3], strict=True)):
                 chain.frames[i + 1] = np.column_stack([R.T, -R.T @ t])
         return chain
 

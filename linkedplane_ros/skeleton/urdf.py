@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from ..errors import SkeletonError, describe_value
+from ..joints.sides import SIDES
 from ..types import Interval, Triple
 from .joint_tree import FIXED, KINDS, UNLIMITED, Joint, JointTree, Mimic, list_names
 
@@ -44,7 +45,8 @@ def parse_urdf(name: str, text: str | bytes) -> JointTree:
     Returns
     -------
     JointTree
-        With the links as bones that an element `<linkedplane_ros bones="..."/>` names.
+        With the links as bones that an element `<linkedplane_ros bones="..." side="..."/>` names,
+        and the side of the body that it says they are of.
 
     Raises
     ------
@@ -64,9 +66,12 @@ def parse_urdf(name: str, text: str | bytes) -> JointTree:
         _read_joint(name, i, each)
         for i, each in enumerate(each for tag, each in children if tag == 'joint')
     )
-    ours = [each for tag, each in children if tag == 'linkedplane_ros']
-    bones = tuple(ours[0].get('bones', '').split()) if ours else ()
-    return JointTree(name, links, joints, bones)
+    ours = next((each for tag, each in children if tag == 'linkedplane_ros'), Element(''))
+    side = ours.get('side', '')
+    if side not in ('', *SIDES):
+        given = f'{describe_value(side)} given'
+        raise SkeletonError(f"{name}: linkedplane_ros: side: {given}, 'right' or 'left' expected")
+    return JointTree(name, links, joints, tuple(ours.get('bones', '').split()), side)
 
 
 def local_name(element: Element) -> str:

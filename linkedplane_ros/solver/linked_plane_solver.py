@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import LinkedPlaneError, describe_value
+from ..joints.articulation import Articulation, as_values, check_articulation
 from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
@@ -25,10 +26,10 @@ from ..types import Bools, Bytes, Floats
 from .batches import run_kernel
 from .faults import describe_pose_fault
 from .kernels import SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
-from .over_bones import answer_by_steps, solve_last_bone, solve_over_bones
+from .over_bones import answer_over_bones, solve_last_bone, solve_over_bones
 from .packing import pack_broad_muscle
 from .poses import Pose, pack_pose_batch, pack_poses
-from .states import Answer, MuscleState, MuscleStates
+from .states import Answer, Answers, MuscleState, MuscleStates
 
 
 class LinkedPlaneSolver:
@@ -198,38 +199,83 @@ class LinkedPlaneSolver:
         return solve_over_bones(self, pack_pose_batch(self.bones, bones), '[{}]')
 
     def answer(
-        self, convention: JointConvention, angles: npt.ArrayLike, speeds: npt.ArrayLike
+        self, moved_by: Articulation, angles: npt.ArrayLike, speeds: npt.ArrayLike
     ) -> Answer:
-        """Return the state, moment arms and lengthening at three angles and speeds, in one call.
+        """Return the state, moment arms and lengthening at values and speeds, in one call.
 
-        To rounding the same as `convention.rotation_and_axes`, `solve` and their products.
+        To rounding the same as the poses and screws of `moved_by`, `solve` or `solve_bones`, and
+        their products.
 
         Parameters
         ----------
-        convention
-            What the angles mean.
+        moved_by
+            What moves the bones: a joint convention (the last bone, about a ball joint), a
+            skeleton for this muscle's bones (`Skeleton.for_bones`), or a `FollowedGirdle`.
         angles
-            (3,) rad.
+            (d,) of its coordinates, rad; of prismatic joints, m.
         speeds
-            (3,) rad/s, of the angles.
+            (d,) of the same, rad/s or m/s.
 
         Returns
         -------
         Answer
-            The state, moment arms (n, 3) in m, lengthening (n,) in m/s, and axes (3, 3).
+            The state, moment arms (n, d) in m, lengthening (n,) in m/s, and a convention's axes
+            (3, 3).
 
         Raises
         ------
         LinkedPlaneError
-            For anything but a JointConvention and three finite numbers each, and where a band's
-            plane is undefined.
+            For anything but an articulation of this muscle's bones and d finite numbers each, and
+            where a band's plane is undefined.
 
         """
-        if not isinstance(convention, JointConvention):
-            given = describe_value(convention)
-            raise LinkedPlaneError(f'convention: {given} given, one of JOINT_CONVENTIONS expected')
-        if not self._ball:
-            return answer_by_steps(self, convention, angles, speeds)
+        if self._ball and isinstance(moved_by, JointConvention):
+            return self._answer_ball_joint(moved_by, angles, speeds)
+        check_articulation(moved_by)
+        values = as_values('angles', angles, moved_by)[np.newaxis]
+        rates = as_values('speeds', speeds, moved_by, '/s')[np.newaxis]
+        answers = answer_over_bones(self, moved_by, values, rates, '')
+        axes = None
+        if isinstance(moved_by, JointConvention):
+            axes = moved_by.axes(values[0], self.side)
+        return Answer(answers.states[0], answers.moment_arms[0], answers.lengthening[0], axes)
+
+    def answer_batch(
+        self, moved_by: Articulation, angles: npt.ArrayLike, speeds: npt.ArrayLike
+    ) -> Answers:
+        """Return what `answer` does at many values.
+
+        Parameters
+        ----------
+        moved_by
+            As for `answer`.
+        angles, speeds
+            (m, d) as for `answer`; m may be 0.
+
+        Returns
+        -------
+        Answers
+            The fields of an Answer with a leading m; to rounding the same.
+
+        Raises
+        ------
+        LinkedPlaneError
+            As `answer`, for the first values that have no answer.
+
+        """
+        check_articulation(moved_by)
+        rates = np.asarray(speeds, dtype=np.float64)
+        if not (self._ball and isinstance(moved_by, JointConvention)):
+            return answer_over_bones(self, moved_by, np.asarray(angles), rates, '[{}]')
+        rotations, axes = moved_by.rotations_and_axes(angles, self.side)
+        states = self.solve_batch(rotations)
+        arms = states.moment_vectors @ axes
+        return Answers(states, arms, -np.einsum('knj,kj->kn', arms, rates))
+
+    def _answer_ball_joint(
+        self, convention: JointConvention, angles: npt.ArrayLike, speeds: npt.ArrayLike
+    ) -> Answer:
+        """Return `answer` for a muscle of one ball joint, by one kernel."""
         n = len(self.muscle.band_names)
         rotation, axes, theta = np.empty((1, 3, 3)), np.empty((3, 3)), np.empty(1)
         lengths, moments, arms = np.empty((1, n)), np.empty((1, 3 * n)), np.empty((n, 3))

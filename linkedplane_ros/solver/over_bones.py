@@ -6,19 +6,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from ..errors import LinkedPlaneError
-from ..joints.conventions import JointConvention, as_triple
+from ..joints.articulation import Articulation, rotated_poses
 from ..joints.rotations import FAULTS, PROPER, matrix_rows, rotation_fault
-from ..joints.sides import mirror_axes, mirror_points
+from ..joints.sides import mirror_axes, mirror_points, mirror_screws
 from ..types import Floats
 from .batches import run_kernel
 from .faults import describe_pose_fault
 from .kernels import NO_PLANE, SOLVED, solve_bone_poses
-from .poses import rotated_poses
 from .results import PosedBones
-from .states import Answer, MuscleStates
+from .states import Answers, MuscleStates
 
 if TYPE_CHECKING:
     from .linked_plane_solver import LinkedPlaneSolver
@@ -56,15 +54,18 @@ def solve_last_bone(solver: LinkedPlaneSolver, rotations: Floats, name: str) -> 
     return solve_over_bones(solver, rotated_poses(rotations, len(solver.bones) - 1), '[{}]')
 
 
-def answer_by_steps(
-    solver: LinkedPlaneSolver,
-    convention: JointConvention,
-    angles: npt.ArrayLike,
-    speeds: npt.ArrayLike,
-) -> Answer:
-    """Return `LinkedPlaneSolver.answer` for a muscle that more than a ball joint moves."""
-    values, rates = as_triple('angles', angles, 'rad'), as_triple('speeds', speeds, 'rad/s')
-    rotation, axes = convention.rotation_and_axes(values, solver.side)
-    state = solver.solve(rotation)
-    arms = state.moment_vectors @ axes
-    return Answer(state, arms, -arms @ np.asarray(rates), axes)
+def answer_over_bones(
+    solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats, speeds: Floats, index: str
+) -> Answers:
+    """Return `LinkedPlaneSolver.answer_batch` at values (m, d) of whatever moves the bones.
+
+    Moment arms are r = -dL/dq: what the bands do to each bone, times how it moves with q. They are
+    the same on both sides, so screws stay in right-shoulder form.
+    """
+    poses, screws = moved_by.move_bones(values, solver.bones, solver.side)
+    states = solve_over_bones(solver, poses, index)
+    wrenches = states.wrenches
+    if solver.side == 'left':
+        wrenches = mirror_screws(wrenches)
+    arms = np.einsum('mnkc,mdkc->mnd', wrenches, screws)
+    return Answers(states, arms, -np.einsum('mnd,md->mn', arms, speeds))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import LinkedPlaneError, describe_value
+from ..joints.articulation import rest_poses
 from ..joints.rotations import as_floats
 from ..types import Floats
 
@@ -42,20 +43,6 @@ def pack_pose_batch(bones: Sequence[str], given: Mapping[str, Pose]) -> Floats:
                     f'{first}'
                 )
     return _fill_poses(bones, {name: (R, t) for name, R, t in arrays}, m)
-
-
-def rest_poses(m: int, k: int) -> Floats:
-    """Return m poses of k bones, all of them at rest (m, k, 3, 4)."""
-    poses = np.zeros((m, k, 3, 4))
-    poses[..., :3] = np.eye(3)
-    return poses
-
-
-def rotated_poses(rotations: Floats, k: int) -> Floats:
-    """Return the poses (m, k, 3, 4) at which the last bone is rotated (m, 3, 3), others at rest."""
-    poses = rest_poses(len(rotations), k)
-    poses[:, -1, :, :3] = rotations
-    return poses
 
 
 def _fill_poses(bones: Sequence[str], arrays: dict[str, tuple[Floats, Floats]], m: int) -> Floats:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..joints.articulation import rotated_poses
 from ..types import Floats
-from .poses import rotated_poses
 
 if TYPE_CHECKING:
     from .linked_plane_solver import LinkedPlaneSolver

@@ -223,20 +223,40 @@ class MuscleStates(Placed):
 
 @dataclass(frozen=True, eq=False)
 class Answer(Result):
-    """The muscle at three angles and speeds of a joint convention; its arrays are read-only."""
+    """The muscle at values and speeds of d coordinates; its arrays are read-only."""
 
     state: MuscleState
-    """The muscle at the angles."""
+    """The muscle at the values."""
     moment_arms: Floats
-    """(n, 3) about the coordinates, m: positive where shortening turns the joint forwards."""
+    """(n, d) about the coordinates, m: positive where shortening turns the joint forwards. Of a
+    prismatic joint they have no unit."""
     lengthening: Floats
     """(n,) how fast the bands grow longer at the speeds, m/s."""
-    axes: Floats
-    """(3, 3) column j is the axis of coordinate j, scapula frame (`JointConvention.axes`)."""
+    axes: Floats | None = None
+    """(3, 3) column j is the axis of coordinate j, scapula frame (`JointConvention.axes`); None
+    where it is no joint convention that moves the bones."""
 
     def __post_init__(self) -> None:
-        for array in (self.moment_arms, self.lengthening, self.axes):
+        for array in (self.moment_arms, self.lengthening):
             array.setflags(False)  # type: ignore[call-arg]  # as above
+        if self.axes is not None:
+            self.axes.setflags(False)  # type: ignore[call-arg]
+
+
+@dataclass(frozen=True, eq=False)
+class Answers(Result):
+    """The muscle at m values and speeds of d coordinates."""
+
+    states: MuscleStates
+    """The muscle at the values."""
+    moment_arms: Floats
+    """(m, n, d) as those of an Answer."""
+    lengthening: Floats
+    """(m, n) m/s."""
+
+    def __post_init__(self) -> None:
+        for array in (self.moment_arms, self.lengthening):
+            array.setflags(write=False)
 
 
 def _polylines(origins: Floats, insertions: Floats, arcs: Floats, wrap: Bytes) -> list[Floats]:

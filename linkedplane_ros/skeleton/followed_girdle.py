@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A girdle that follows the humerus by a rhythm, as what moves a muscle's bones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import LinkedPlaneError
+from ..joints.articulation import MovedBones
+from ..joints.conventions import JointConvention, as_triples
+from ..types import Floats
+from .girdle import GIRDLE, GirdlePose, Rest, joint_centres
+from .joint_tree import list_names
+from .rhythms import Rhythm
+
+BONES = ('thorax', 'clavicle', 'scapula', 'humerus')
+
+
+@dataclass(frozen=True)
+class FollowedGirdle:
+    """Clavicle, scapula and humerus at angles of the humerus against the thorax.
+
+    An articulation (`LinkedPlaneSolver.answer`): its coordinates are the convention's, of the
+    humerus against the thorax. Moment arms about them include what follows, scapula and clavicle.
+    """
+
+    convention: JointConvention
+    """What the angles mean; they are measured against the thorax."""
+    rhythm: Rhythm
+    """How clavicle and scapula follow."""
+    rest: Rest | None = None
+    """Where the subject's girdle starts from; None: the rhythm's own."""
+
+    @property
+    def coordinates(self) -> tuple[str, str, str]:
+        """Those of the convention."""
+        return self.convention.coordinates
+
+    @property
+    def kinds(self) -> tuple[str, str, str]:
+        """Those of the convention."""
+        return self.convention.kinds
+
+    def move_bones(self, values: npt.ArrayLike, bones: Sequence[str], side: str) -> MovedBones:
+        """Return the bones of a muscle at humerothoracic angles (`Articulation`)."""
+        wrong = [bone for bone in bones if bone not in BONES]
+        if wrong:
+            raise LinkedPlaneError(
+                f'rhythm: moves {list_names(BONES)}; the muscle has {list_names(bones)}'
+            )
+        angles, k = as_triples(values), len(bones) - 1
+        moved = MovedBones(np.empty((len(angles), k, 3, 4)), np.empty((len(angles), 3, k, 6)))
+        for each, poses, screws in zip(angles, *moved, strict=True):
+            self._move(each, bones, poses, screws)
+        return moved
+
+    def _move(self, angles: Floats, bones: Sequence[str], poses: Floats, screws: Floats) -> None:
+        """Fill in poses (k, 3, 4) and screws (3, k, 6) of the bones that move, seen from the first.
+
+        Bones stand in the thorax at G and T; in the ground's frame at G^-1 T, and in the frame that
+        is the ground's at rest at G^-1 T (G0^-1 T0)^-1.
+        """
+        turned, axes = self.convention.rotation_and_axes(angles)
+        girdle = self.rhythm.pose(turned, axes, self.rest)
+        places, motions = _place_bones(girdle), _move_bones(girdle)
+        ground = bones[0]
+        G, g = places[ground]
+        at_rest = self._at_rest
+        for i, bone in enumerate(bones[1:]):
+            R, t = _seen_from(places[ground], places[bone])
+            if at_rest[bone] is not at_rest[ground]:
+                R0, t0 = _seen_from(at_rest[ground], at_rest[bone])
+                R = R @ R0.T
+                t = t - R @ t0
+            poses[i, :, :3], poses[i, :, 3] = R, t
+            w, v = (of - by for of, by in zip(motions[bone], motions[ground], strict=True))
+            screws[:, i, :3] = w @ G
+            screws[:, i, 3:] = (v + np.cross(w, g)) @ G
+
+    @cached_property
+    def _at_rest(self) -> dict[str, tuple[Floats, Floats]]:
+        """The bones at rest; the humerus as the scapula, for its frame is the scapula's there."""
+        rest = self.rest or Rest()
+        scapula, clavicle = GIRDLE.rotation(rest.scapula), GIRDLE.rotation(rest.clavicle)
+        none = np.zeros((3, 3))
+        places = _place_bones(GirdlePose(scapula, clavicle, scapula, none, none, none))
+        return {**places, 'humerus': places['scapula']}
+
+
+def _seen_from(ground: tuple[Floats, Floats], bone: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """Return a bone's pose in the ground's frame."""
+    (G, g), (R, t) = ground, bone
+    return G.T @ R, G.T @ (t - g)
+
+
+def _place_bones(girdle: GirdlePose) -> dict[str, tuple[Floats, Floats]]:
+    """Return (R, t) of all bones in the thorax's frame."""
+    return {'thorax': (np.eye(3), np.zeros(3)), **girdle.bones}
+
+
+def _move_bones(girdle: GirdlePose) -> dict[str, tuple[Floats, Floats]]:
+    """Return w and v (3, 3), by rows of coordinates, of all bones; thorax's axes and origin.
+
+    Each bone turns about the joint that holds it, which moves with the bone before it.
+    """
+    sternoclavicular, acromion, glenoid = joint_centres()
+    C, S, H = girdle.clavicle_axes.T, girdle.scapula_axes.T, girdle.humerus_axes.T
+    at_AC = sternoclavicular + girdle.clavicle @ acromion
+    centre = at_AC + girdle.scapula @ glenoid
+    of_clavicle = np.cross(sternoclavicular, C)
+    of_scapula = of_clavicle + np.cross(at_AC, S - C)
+    return {
+        'thorax': (np.zeros((3, 3)), np.zeros((3, 3))),
+        'clavicle': (C, of_clavicle),
+        'scapula': (S, of_scapula),
+        'humerus': (H, of_scapula + np.cross(centre, H - S)),
+    }
