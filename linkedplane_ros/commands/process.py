@@ -79,10 +79,10 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
         help='how it follows, with --thorax: constant_ratio, de_groot_brand_2001, mobl, '
         'or a number, the ratio of glenohumeral to scapulothoracic elevation (default: 2)')
     add('--rest', nargs='+', type=number_or_still, metavar='RAD',
-        help='where the rhythm starts from. still: the first second in which the arm hangs still; '
-        'or numbers, the scapula with the arm hanging, protraction, lateral rotation, tilt, rad, '
-        "and, if known, the humerus' plane of elevation and elevation there "
-        "(default: the thorax's axes for a ratio, else the angles of an average subject)")
+        help='where the rhythm starts from: the scapula with the arm hanging, protraction, lateral '
+        "rotation, tilt, rad, and, if known, the humerus' plane of elevation and elevation there; "
+        'still, after the three or alone: the humerus as in the first second in which it hangs '
+        "still (default: the thorax's axes for a ratio, else the angles of an average subject)")
     add('--frame-axes', choices=('model', 'isb'),
         help='axes of the frames. model: x to the right, y anterior, z superior; '
         'isb: x anterior, y superior, z to the right (default: model)')

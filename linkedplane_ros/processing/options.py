@@ -54,8 +54,8 @@ class Options:
     scapulothoracic elevation; None: constant_ratio, 2."""
     rest: Sequence[float | str] | None = None
     """rad, the scapula's three angles at rest (`GIRDLE`), and if known the humerus' plane of
-    elevation and elevation there; or the word still: as in the recording's first still second;
-    None: as the rhythm has them."""
+    elevation and elevation there; the word still, alone or after the scapula's three: as in the
+    recording's first still second; None: as the rhythm has them."""
     frame_axes: str | None = None
     """The axes of the bones' frames, model or isb; None: model."""
     frame_id: str = 'scapula'
@@ -81,8 +81,8 @@ class Options:
             raise LinkedPlaneError('--rhythm: only for angles against the thorax (--thorax)')
         if self.rest is not None and self.thorax is None:
             raise LinkedPlaneError('--rest: only with a rhythm, against the thorax (--thorax)')
-        if self.rest is not None and not self.rests_still:
-            Rest.from_numbers(self.rest, '--rest')
+        if self.given_rest is not None and self.rests_still and self.given_rest.humerus:
+            raise LinkedPlaneError('--rest: still after 5 numbers; after 3 or alone expected')
         if (self.humerus is not None) != has_base:
             raise LinkedPlaneError('--humerus NAME goes with --scapula NAME or --thorax NAME')
         if '' in (self.humerus, self.scapula, self.thorax):
@@ -110,17 +110,21 @@ class Options:
 
     @property
     def rests_still(self) -> bool:
-        """Whether the rest is that of the recording's first still second."""
-        return self.rest is not None and list(self.rest) == ['still']
+        """Whether the humerus' rest is that of the recording's first still second."""
+        return bool(self.rest) and list(self.rest or ())[-1] == 'still'
+
+    @property
+    def given_rest(self) -> Rest | None:
+        """The rest that the numbers say; None: there are none."""
+        if self.rest is None or list(self.rest) == ['still']:
+            return None
+        return Rest.from_numbers(self.rest[:-1] if self.rests_still else self.rest, '--rest')
 
     @property
     def bones(self) -> BoneFrames | None:
         """The frames to take the angles from; None: they are joint angles."""
         if self.humerus is None:
             return None
-        rest = None
-        if self.rest is not None and not self.rests_still:
-            rest = Rest.from_numbers(self.rest, '--rest')
         rhythm = rhythm_from(self.rhythm or 'constant_ratio')
         axes = self.frame_axes or 'model'
-        return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm, rest)
+        return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm, self.given_rest)

@@ -105,7 +105,7 @@ def open_motion(task: Task) -> Motion:
 
 
 def read_rest(source: Path, bones: BoneFrames, side: str) -> Rest:
-    """Return the rest in a bag's first still second; RecordingError if it has none.
+    """Return the rest with the humerus' of the first still second; RecordingError if there is none.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def read_rest(source: Path, bones: BoneFrames, side: str) -> Rest:
             f'{source}: --rest still: {NOT_STILL}; give --rest PROTRACTION LATERAL TILT PLANE '
             'ELEVATION, rad, or leave it out'
         )
-    return still.rest
+    return replace(bones.rest or still.rest, humerus=still.rest.humerus)
 
 
 def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDescription:

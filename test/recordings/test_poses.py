@@ -292,6 +292,8 @@ def test_the_rest_is_taken_from_the_first_still_second(
     assert main([*command, '--rest', 'still']) == 0
     facts, _, values = read_csv(tmp_path / 'out.csv')
     assert facts['scapula_at_rest'] == ' '.join(given) + ' rad'
+    assert main([*command, '--rest', *given[:3], 'still', '--force']) == 0
+    np.testing.assert_array_equal(values, read_csv(tmp_path / 'out.csv')[2])
     assert main([*command, '--rest', *given, '--force']) == 0
     np.testing.assert_allclose(values, read_csv(tmp_path / 'out.csv')[2], rtol=0, atol=1e-6)
 
@@ -313,6 +315,7 @@ def test_without_a_still_second_the_line_says_what_to_give_instead(
         'give --rest PROTRACTION LATERAL TILT PLANE ELEVATION, rad, or leave it out\n'
     )
     assert not (tmp_path / 'out.csv').exists()
-    for words in (['stil'], ['still', '0.1', '0.2'], ['0.1', '0.2', 'nan']):
+    wrong = 'stil', 'still 0.1 0.2', '0.1 0.2 nan', 'still still', '0 0 0 0 0 still', '0 0 still'
+    for words in map(str.split, wrong):
         assert main([*command, '--rest', *words]) in (1, 2)
         assert 'rest' in capsys.readouterr().err
