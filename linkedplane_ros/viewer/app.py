@@ -24,6 +24,7 @@ from .scene.camera import Cameras, choose_view
 from .scene.geometry import Markers, apply_message, drawables
 from .scene.look import Look, set_theme
 from .scene.muscle import MuscleScene, light_scene
+from .scene.rest import RestArms
 from .scene.wire import read_markers
 
 IDLE = 0.03  # s between frames without new messages
@@ -49,7 +50,8 @@ class Viewer:
         self._server = server
         self._node = node
         self._scenes: dict[str, MuscleScene] = {}
-        self._markers: dict[str, Markers] = {}
+        self._markers: dict[str, Markers] = {}  # those that have come
+        self._rest = RestArms(node.fresh)
         self._muscles: dict[str, MuscleInfo] | None = None
         self._found: dict[str, MuscleInfo] = {}
         self._found_since = -math.inf
@@ -139,8 +141,8 @@ class Viewer:
             return
         newest = {prefix: taken[prefix][1] for prefix in muscles}
         with self._server.atomic():
-            for prefix in muscles:
-                self._draw_muscle(prefix, newest[prefix], taken[prefix][2])
+            for prefix, info in muscles.items():
+                self._draw_muscle(prefix, info, newest[prefix], taken[prefix][2])
         if any(taken[prefix][2] for prefix in muscles):
             self._server.flush()
         watched = bool(self._server.get_clients())
@@ -165,19 +167,25 @@ class Viewer:
             )
         await self._saving.record_frame(now)
 
-    def _draw_muscle(self, prefix: str, newest: Values, messages: list[bytes]) -> None:
-        """Update one muscle of the scene."""
+    def _draw_muscle(
+        self, prefix: str, info: MuscleInfo, newest: Values, messages: list[bytes]
+    ) -> None:
+        """Update one muscle of the scene; before its first markers it is drawn at rest."""
         if self._look is None:
             return
-        markers = self._markers.setdefault(prefix, {})
         for message in messages:
             try:
-                apply_message(markers, read_markers(message))
+                received = read_markers(message)
             except LinkedPlaneError as error:
                 self._node.get_logger().warning(f'{prefix}/markers: {error}', once=True)
-        look = self._look
+            else:
+                apply_message(self._markers.setdefault(prefix, {}), received)
+        look, markers = self._look, self._markers.get(prefix)
+        if markers is None:
+            markers = self._rest.find_markers(prefix, info)
         hidden, colours = look.hidden, look.band_colours(look.band_values(prefix, newest))
-        key = hidden, look.axes, None if colours is None else [c.tolist() for c in colours.values()]
+        paint = None if colours is None else [each.tolist() for each in colours.values()]
+        key = hidden, look.axes, id(markers), paint
         if messages or key != self._colours.get(prefix):
             self._colours[prefix] = key
             visible = {key: each for key, each in markers.items() if key[0] not in hidden}

@@ -37,6 +37,8 @@ class MuscleInfo:
     """Each head and the band that represents it."""
     motion: Intervals | None = None
     """The model's range of flexion, abduction and rotation, rad."""
+    model: BroadMuscle | None = None
+    """The model at the subject's size; None if it cannot be loaded here."""
 
     @staticmethod
     def from_parameters(
@@ -79,8 +81,17 @@ class MuscleInfo:
             bands = model.band_names
             heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
             motion = model.range_of_motion
-        side = node_parameters.get('side', 'right')
-        return MuscleInfo(coordinates, bands, convention, joints, joint_topic, side, heads, motion)
+        return MuscleInfo(
+            coordinates,
+            bands,
+            convention,
+            joints,
+            joint_topic,
+            node_parameters.get('side', 'right'),
+            heads,
+            motion,
+            scale_model(model, node_parameters.get('scale', '1')),
+        )
 
 
 def find_model(given: str | Sequence[str], name: str, bands: tuple[str, ...]) -> BroadMuscle | None:
@@ -97,6 +108,13 @@ def find_model(given: str | Sequence[str], name: str, bands: tuple[str, ...]) ->
     named = [model for model in fitting if model.name == name]
     if named or bands or len(texts) == 1:
         return next(iter(named or fitting), None)
+    return None
+
+
+def scale_model(model: BroadMuscle | None, scale: Any) -> BroadMuscle | None:
+    """Return a model at the scale of its node; None if it cannot be scaled here."""
+    with suppress(ModelError):
+        return model and model.scaled(scale)
     return None
 
 

@@ -30,7 +30,15 @@ from .newest import MARKERS_KEPT, MuscleInfo, NewestState
 
 MOST_BANDS = 1000  # a label with more names is not one of a muscle
 POSES_KEPT = 64  # joint states, to find the pose of an answer
-PARAMETERS = ('muscle', 'side', 'joint_convention', 'joint_names', 'joint_signs', 'joint_offsets')
+PARAMETERS = (
+    'muscle',
+    'scale',
+    'side',
+    'joint_convention',
+    'joint_names',
+    'joint_signs',
+    'joint_offsets',
+)
 
 
 def best_effort_profile(depth: int = 1) -> QoSProfile:

@@ -70,14 +70,19 @@ class Stage:
 
     def shows(self, state: MuscleState, page: Page | None = None) -> bool:
         """Wait until the scene of a page is that of a state; return whether it was."""
-        paths = [np.stack((path[:-1], path[1:]), axis=1) for path in state.paths(16)]
-        wanted = np.concatenate(paths)
+        return shows_state(page or self.page, state)
 
-        def equal() -> bool:
-            drawn = (page or self.page).lines()
-            return drawn.shape == wanted.shape and bool(np.abs(drawn - wanted).max() < DRAWN)
 
-        return wait_until(equal)
+def shows_state(page: Page, state: MuscleState, name: str = '/deltoid/bands/lines') -> bool:
+    """Wait until the lines of a name in a page's scene are a state's; return whether they were."""
+    paths = [np.stack((path[:-1], path[1:]), axis=1) for path in state.paths(16)]
+    wanted = np.concatenate(paths)
+
+    def equal() -> bool:
+        drawn = page.lines(name)
+        return drawn.shape == wanted.shape and bool(np.abs(drawn - wanted).max() < DRAWN)
+
+    return wait_until(equal)
 
 
 def state_at(angles: Any) -> MuscleState:
