@@ -22,3 +22,27 @@ def shaft_axis(muscle: BroadMuscle) -> Floats:
     aside = muscle.insertions.mean(axis=0) * (1.0, 1.0, 0.0)
     aside *= 1.0 - SHAFT_RADIUS / max(float(np.linalg.norm(aside)), SHAFT_RADIUS)
     return np.array([aside - (0.0, 0.0, depth) for depth in (SHAFT_START, SHAFT_END)])
+
+
+def strut_points(muscle: BroadMuscle, bone: str) -> Floats:
+    """Return the points (p, 3), m, that a model has on a bone, along it; frame of the bone.
+
+    They are its origins, insertions, landmarks, and SC and HM where these are on it: of a clavicle,
+    a line from the sternum to the shoulder.
+    """
+    bones, n = muscle.bones, len(muscle.band_names)
+    points = [each.at for each in muscle.landmarks if each.bone == bone]
+    for places, owners in (
+        (muscle.origins, bones.of_bands('origin', n)),
+        (muscle.insertions, bones.of_bands('insertion', n)),
+        ([muscle.ground_point], [bones.ground_point]),
+        ([muscle.humeral_point], [bones.humeral_point]),
+    ):
+        points += [each for each, owner in zip(places, owners, strict=True) if owner == bone]
+    if len(points) < 2:
+        return np.empty((0, 3))
+    array = np.unique(np.array(points, dtype=np.float64), axis=0)
+    apart = np.linalg.norm(array[:, np.newaxis] - array, axis=2)
+    start, end = np.unravel_index(apart.argmax(), apart.shape)
+    along = array @ (array[end] - array[start])
+    return np.asarray(array[np.argsort(along, kind='stable')])

@@ -3,7 +3,8 @@
 
 Namespaces: `bands` (a line strip each, id = band), `attachments` (origins 0, insertions 1),
 `obstacle_spheres` (id = the first of the bands that share it), `bones` (humeral head 0, shaft 1,
-the bony rim of the origins 2). As details: `planes` (id = band), `interference_spheres` (id =
+the bony rim of the ground's origins 2; from 3 on, a strut for each bone between the ground and the
+last, as the clavicle). As details: `planes` (id = band), `interference_spheres` (id =
 sphere), `interferences` (id = band: where it is deepest in one of them).
 """
 
@@ -20,7 +21,15 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..solver.interference import depths
 from ..solver.states import MuscleState, WrapState
 from ..types import Colour, Floats, Point
-from .bones import BONE, HEAD_RADIUS, SHAFT_END, SHAFT_RADIUS, SHAFT_START, shaft_axis
+from .bones import (
+    BONE,
+    HEAD_RADIUS,
+    SHAFT_END,
+    SHAFT_RADIUS,
+    SHAFT_START,
+    shaft_axis,
+    strut_points,
+)
 from .colours import head_colours, sphere_colours
 from .planes import plane_patches
 
@@ -34,11 +43,13 @@ POINTS_ON_ARC = 16
 BAND_WIDTH = 0.004  # m
 ATTACHMENT_DIAMETER = 0.006  # m
 RIM_WIDTH = 0.008  # m
+STRUT_WIDTH = 0.012  # m, of bones between the ground and the last
 OBSTACLE_ALPHA = 0.12  # opacity of the obstacle spheres
 PLANE_WIDTH = 0.05  # m that is drawn of a band's plane
 INTERFERENCE_COLOUR = (0.86, 0.08, 0.24)
 MARK_DIAMETER = 0.01  # m, of the mark where a band interferes
 UP = np.array((0.0, 0.0, 1.0))
+CENTRE = np.zeros(3)  # of the humeral head, in the last bone's frame
 
 
 class RateLimiter:
@@ -126,12 +137,23 @@ class MuscleShapes:
         self._spheres = sphere_colours(muscle)
         colours = head_colours(muscle)
         self._shaft_centre = shaft_axis(muscle).mean(axis=0)
+        self._struts = {
+            bone: strut
+            for bone in muscle.bones.names[1:-1]
+            if len(strut := strut_points(muscle, bone))
+        }
+        owners = muscle.bones.of_bands('origin', len(muscle.band_names))
+        self._rim = [i for i, owner in enumerate(owners) if owner == muscle.bones.ground]
         width, length = 2.0 * SHAFT_RADIUS, SHAFT_END - SHAFT_START
         ball = (ATTACHMENT_DIAMETER,) * 3
         self.shapes: tuple[Shape, ...] = (
             Shape('bones', 0, SPHERE, (2.0 * HEAD_RADIUS,) * 3, BONE),
             Shape('bones', 1, CYLINDER, (width, width, length), BONE),
             Shape('bones', 2, LINE_STRIP, (RIM_WIDTH, 0.0, 0.0), BONE),
+            *(
+                Shape('bones', 3 + k, LINE_STRIP, (STRUT_WIDTH, 0.0, 0.0), BONE)
+                for k in range(len(self._struts))
+            ),
             *(
                 Shape('attachments', k, SPHERE_LIST, ball, BONE, colours=tuple(colours))
                 for k in range(2)
@@ -176,13 +198,17 @@ class MuscleShapes:
         A band with an end inside its sphere has no path: its marker is deleted. So is the mark of
         a band that touches no interference sphere.
         """
-        origins = state.origins
-        up = state.solver.to_side(UP @ state.rotation.T)
+        origins, side = state.origins, state.solver.to_side
+        up = side(UP @ state.rotation.T)
         orientation = quaternion_from_z_axis(up)
         places = [
-            Placement(),
+            Placement() if state.posed is None else Placement(state.to_scapula(CENTRE)),
             Placement(state.to_scapula(self._shaft_centre), orientation),
-            Placement(points=origins),
+            Placement(points=origins[self._rim], action=ADD if len(self._rim) > 1 else DELETE),
+            *(
+                Placement(points=side(state.place_points(strut, (bone,) * len(strut))))
+                for bone, strut in self._struts.items()
+            ),
             Placement(points=origins),
             Placement(points=state.insertions),
             *(Placement(state.sphere_centres[i]) for i in self._spheres),

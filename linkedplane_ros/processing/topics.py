@@ -82,8 +82,9 @@ ANSWERS = (
 MARKERS = Topic(
     'markers',
     'visualization_msgs/msg/MarkerArray',
-    'Namespaces `bands`, `attachments`, `bones`, `obstacle_spheres`, `planes` (of the bands), '
-    '`interference_spheres` and `interferences` (where a band is deepest in one of them).',
+    'Namespaces `bands`, `attachments`, `bones` (all that move, where they are), '
+    '`obstacle_spheres`, `planes` (of the bands), `interference_spheres` and '
+    '`interferences` (where a band is deepest in one of them).',
     depth=10,
     on_demand=True,
 )
