@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rotations as (3, 3) matrices: made about an axis, and checked before anything relies on them."""
+"""Rotations as (3, 3) matrices: made about an axis, and checked before anything relies on them.
+
+With a shift beside them they are poses, (3, 4).
+"""
 
 from __future__ import annotations
 
@@ -103,3 +106,15 @@ def as_floats(name: str, values: npt.ArrayLike, expected: str) -> Floats:
     except (TypeError, ValueError):
         pass
     raise LinkedPlaneError(f'{name}: not an array of numbers; real ones, {expected} expected')
+
+
+def compose_poses(outer: Floats, inner: Floats) -> Floats:
+    """Return poses (..., 3, 4): what stands at `inner` in a frame that stands at `outer`."""
+    R = outer[..., :3]
+    return np.concatenate([R @ inner[..., :3], R @ inner[..., 3:] + outer[..., 3:]], axis=-1)
+
+
+def invert_poses(poses: Floats) -> Floats:
+    """Return the inverse of poses (..., 3, 4)."""
+    R = poses[..., :3].swapaxes(-2, -1)
+    return np.concatenate([R, -R @ poses[..., 3:]], axis=-1)

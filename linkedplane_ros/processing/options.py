@@ -10,7 +10,7 @@ from ..errors import LinkedPlaneError
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..joints.frame_names import check_frame_name
 from ..joints.joint_state import JointMap
-from ..recordings.poses import BoneFrames
+from ..recordings.bone_frames import BoneFrames
 from ..skeleton.girdle import Rest
 from ..skeleton.rhythms import rhythm_from
 
@@ -125,6 +125,9 @@ class Options:
         """The frames to take the angles from; None: they are joint angles."""
         if self.humerus is None:
             return None
-        rhythm = rhythm_from(self.rhythm or 'constant_ratio')
         axes = self.frame_axes or 'model'
-        return BoneFrames(self.humerus, self.scapula, self.thorax, axes, rhythm, self.given_rest)
+        if self.scapula is not None:
+            return BoneFrames({'scapula': self.scapula, 'humerus': self.humerus}, axes)
+        rhythm = rhythm_from(self.rhythm or 'constant_ratio')
+        names = {'thorax': self.thorax or '', 'humerus': self.humerus}
+        return BoneFrames(names, axes, rhythm, self.given_rest)

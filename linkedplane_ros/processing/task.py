@@ -20,9 +20,9 @@ from ..errors import LinkedPlaneError, RecordingError
 from ..joints.articulation import Articulation
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.bag_motion import BagMotion
+from ..recordings.bone_frames import BoneFrames
 from ..recordings.formats import TABLES, check_format
 from ..recordings.motion import Chunk, Motion, Refusals
-from ..recordings.poses import BoneFrames
 from ..recordings.smoothing import SmoothedMotion
 from ..recordings.table_motion import TableMotion
 from ..skeleton.girdle import HUMERUS, Rest
@@ -116,8 +116,7 @@ def read_rest(source: Path, bones: BoneFrames, side: str) -> Rest:
     side
         'right' or 'left': which shoulder the frames are of.
     """
-    against_thorax = replace(bones, scapula=bones.thorax, thorax=None)
-    motion = BagMotion.from_poses(source, against_thorax, HUMERUS, side)
+    motion = BagMotion.from_poses(source, replace(bones, rhythm=None), HUMERUS, side)
     motion.keeps_records = False
     still = find_rest(
         (stamp, {'humerus': HUMERUS.rotation(angles)})

@@ -18,9 +18,10 @@ from .bags.connections import Connection, RecordedMessage
 from .bags.messages import DamagedMessage
 from .bags.opening import open_bag
 from .bags.topics import JOINT_STATE, choose_joint_topic, read_joint_names, read_topics
+from .bone_frames import BoneFrames
 from .frame_readers import FrameReader, JointFrameReader
 from .motion import ROWS, Chunk, Frame, Place, Refusals, Refused
-from .poses import POSE_TYPES, TF_TYPE, BoneFrames, PoseFrameReader
+from .poses import POSE_TYPES, TF_TYPE, PoseFrameReader
 from .stamps import find_offset, find_unstamped, read_header_stamp
 from .stretches import TimeWatch, format_seconds
 from .units import decide_unit, name_words
@@ -139,7 +140,8 @@ class BagMotion:
             topics = {(each.topic, each.kind) for each in bag.connections}
             if TF_TYPE not in {kind for _, kind in topics}:
                 held_poses = {topic for topic, kind in topics if kind in POSE_TYPES}
-                missing = [each for each in (bones.humerus, bones.base) if each not in held_poses]
+                names = reversed(list(bones.names.values()))
+                missing = [each for each in names if each not in held_poses]
                 if missing:
                     held = ', '.join(sorted(f'{t} ({k})' for t, k in topics))
                     raise RecordingError(
@@ -302,14 +304,16 @@ class BagMotion:
         return f'message {place.number}, {1e-9 * (place.time - self.start):.2f} s'
 
     def _chunk(self, frames: list[Frame], follows: list[int], batch: Batch) -> Chunk:
-        unknown = (np.nan, np.nan, np.nan)
-        k = len(frames)
+        k, width = len(frames), self.frame_reader.width
+        unknown = (np.nan,) * width
+        poses = [each.poses for each in frames if each.poses is not None]
         return Chunk(
             stamps=np.array([each.stamp for each in frames], dtype=np.int64),
-            angles=np.array([each.angles for each in frames]).reshape(k, 3),
-            speeds=np.array([each.speeds or unknown for each in frames]).reshape(k, 3),
+            angles=np.array([each.angles for each in frames]).reshape(k, width),
+            speeds=np.array([each.speeds or unknown for each in frames]).reshape(k, width),
             times=np.array([each.place.time for each in frames], dtype=np.int64),
             share=batch.share,
             records=batch.records if self.keeps_records else (),
             follows=follows,
+            poses=np.array(poses).reshape(k, -1, 3, 4) if len(poses) == k > 0 else None,
         )

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -11,8 +11,8 @@ import numpy as np
 
 from ..joints.joint_state import JointMemory, OtherJoints, Rejected
 from .bags.topics import JOINT_STATE
+from .frame_tree import stamp_in_nanoseconds
 from .motion import Frame, Place, Refused
-from .poses import stamp_in_nanoseconds
 from .units import AngleRange, AngleUnit
 
 
@@ -24,8 +24,16 @@ class FrameReader(Protocol):
     """The positions that were met, where nobody says their unit."""
 
     @property
+    def width(self) -> int:
+        """How many angles a frame has."""
+
+    @property
     def facts(self) -> Mapping[str, str]:
         """What is read, for an output's metadata."""
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """What is worth knowing of how frames were read, a line each."""
 
     def accepts(self, topic: str, kind: str) -> bool:
         """Return whether a topic's messages of a type are read."""
@@ -55,6 +63,16 @@ class JointFrameReader:
     def __post_init__(self) -> None:
         """Begin with no position."""
         self.met = AngleRange(self.memory.joints.names)
+
+    @property
+    def width(self) -> int:
+        """How many joints there are."""
+        return len(self.memory.joints.names)
+
+    @property
+    def notes(self) -> Sequence[str]:
+        """Nothing."""
+        return ()
 
     @property
     def facts(self) -> Mapping[str, str]:

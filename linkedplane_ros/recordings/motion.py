@@ -74,9 +74,9 @@ class Chunk:
     stamps: Stamps
     """(k,) ns."""
     angles: Floats
-    """(k, 3) rad."""
+    """(k, d) rad; of prismatic joints, m."""
     speeds: Floats
-    """(k, 3) rad/s; NaN where not known."""
+    """(k, d) rad/s or m/s; NaN where not known."""
     times: Stamps
     """(k,) ns, when each was recorded."""
     share: float
@@ -85,6 +85,8 @@ class Chunk:
     """A bag's own messages, (connection, time, bytes), all of them."""
     follows: Sequence[int] = ()
     """(k,) the index in records of the message before each frame; -1: before all."""
+    poses: Floats | None = None
+    """(k, bones, 3, 4) where the bones were measured: the angles then follow from them."""
 
     def select(self, which: Bools | slice) -> Chunk:
         """Return the chunk with some of its frames only; the messages stay all."""
@@ -94,6 +96,7 @@ class Chunk:
             angles=self.angles[which],
             speeds=self.speeds[which],
             times=self.times[which],
+            poses=None if self.poses is None else self.poses[which],
             follows=np.array(self.follows, dtype=np.int64)[which].tolist(),
         )
 
@@ -125,9 +128,11 @@ class Frame(NamedTuple):
     place: Place
     """The message that brought it."""
     angles: tuple[float, ...]
-    """rad"""
+    """(d) rad; of prismatic joints, m."""
     speeds: tuple[float, ...] | None = None
-    """rad/s; None where not known."""
+    """(d) rad/s or m/s; None where not known."""
+    poses: Floats | None = None
+    """(k, 3, 4) of the bones, where they were measured: the angles then follow from them."""
 
 
 class Motion(Protocol):
