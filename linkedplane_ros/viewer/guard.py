@@ -18,6 +18,7 @@ import inspect
 import re
 import secrets
 import socket
+from asyncio import TimerHandle
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from http import HTTPStatus
@@ -41,6 +42,8 @@ IN_QUERY = re.compile(r'[?&]token=([0-9A-Za-z]+)')
 FOREIGN = ('cross-site', 'same-site')  # Sec-Fetch-Site of what another page asks for
 ELSEWHERE = {'websocket', 'playbackPath'}  # where else viser's page would read from
 KEEP_ALIVE = {'ping_interval': 2.0, 'ping_timeout': 8.0, 'close_timeout': 1.0}  # s
+STUCK = 8.0  # s in which a browser has to take some of what waits for it
+QUEUE = 1 << 17  # bytes that the system holds for it: more would hide for long what it takes
 POLICY = "connect-src 'self' ws://{host} data: blob:; frame-ancestors 'none'; base-uri 'none'"
 
 
@@ -88,12 +91,46 @@ class Guard:
         self._controls = controls
 
     def _checked_connection(self) -> type:
-        """Return websockets' connection without the messages that are refused."""
+        """Return websockets' connection without refused messages, and ended when it is stuck."""
         from websockets.asyncio.server import ServerConnection
 
         guard = self
 
         class CheckedConnection(ServerConnection):
+            _watch: TimerHandle | None = None
+
+            def connection_made(self, transport: Any) -> None:
+                own = transport.get_extra_info('socket')
+                own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, QUEUE)
+                super().connection_made(transport)
+
+            def pause_writing(self) -> None:
+                """Watch a browser that takes less than it is sent: its pings wait as well."""
+                super().pause_writing()
+                self._look_again()
+
+            def resume_writing(self) -> None:
+                self._stop_watch()
+                super().resume_writing()
+
+            def connection_lost(self, error: Exception | None) -> None:
+                self._stop_watch()
+                super().connection_lost(error)
+
+            def _look_again(self) -> None:
+                left = self.transport.get_write_buffer_size()
+                self._watch = self.loop.call_later(STUCK, self._end_if_stuck, left)
+
+            def _end_if_stuck(self, before: int) -> None:
+                if self.transport.get_write_buffer_size() < before:
+                    self._look_again()
+                else:
+                    self.transport.abort()
+
+            def _stop_watch(self) -> None:
+                if self._watch is not None:
+                    self._watch.cancel()
+
             async def recv(self, decode: bool | None = None) -> Any:
                 while True:
                     message = await super().recv(decode)
