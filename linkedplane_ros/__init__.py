@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from .joints.conventions import JOINT_CONVENTIONS, JointConvention
     from .muscle.broad_muscle import BroadMuscle, Head, Landmark
     from .skeleton.girdle import Rest
-    from .skeleton.rhythms import RHYTHMS, Rhythm
+    from .skeleton.rhythm import Rhythm
+    from .skeleton.rhythms import RHYTHMS
     from .skeleton.skeleton import Skeleton
     from .solver.linked_plane_solver import LinkedPlaneSolver
     from .solver.states import MuscleState, MuscleStates, WrapState
@@ -45,7 +46,8 @@ _PLACES = {
     'joints.conventions': ('JOINT_CONVENTIONS', 'JointConvention'),
     'muscle.broad_muscle': ('BroadMuscle', 'Head', 'Landmark'),
     'skeleton.girdle': ('Rest',),
-    'skeleton.rhythms': ('RHYTHMS', 'Rhythm'),
+    'skeleton.rhythm': ('Rhythm',),
+    'skeleton.rhythms': ('RHYTHMS',),
     'skeleton.skeleton': ('Skeleton',),
     'solver.linked_plane_solver': ('LinkedPlaneSolver',),
     'solver.states': ('MuscleState', 'MuscleStates', 'WrapState'),

@@ -24,7 +24,7 @@ from ..joints.joint_state import Rejected
 from ..joints.rotations import compose_poses, invert_poses
 from ..joints.sides import mirror_poses
 from ..skeleton.girdle import Rest
-from ..skeleton.rhythms import Rhythm
+from ..skeleton.rhythm import Rhythm
 from ..types import Floats
 
 # rows: the model's axes in ISB's (Wu 2005): lateral is ISB's z, anterior its x, superior its y

@@ -14,9 +14,9 @@ from ..errors import LinkedPlaneError
 from ..joints.articulation import MovedBones
 from ..joints.conventions import JointConvention, as_triples
 from ..types import Floats
-from .girdle import GIRDLE, GirdlePose, Rest, joint_centres
+from .girdle import GIRDLE, HUMERUS, GirdlePose, Rest, joint_centres
 from .joint_tree import list_names
-from .rhythms import Rhythm
+from .rhythm import Rhythm
 
 BONES = ('thorax', 'clavicle', 'scapula', 'humerus')
 
@@ -65,8 +65,7 @@ class FollowedGirdle:
         Bones stand in the thorax at G and T; in the ground's frame at G^-1 T, and in the frame that
         is the ground's at rest at G^-1 T (G0^-1 T0)^-1.
         """
-        turned, axes = self.convention.rotation_and_axes(angles)
-        girdle = self.rhythm.pose(turned, axes, self.rest)
+        girdle = self._pose(angles)
         places, motions = _place_bones(girdle), _move_bones(girdle)
         ground = bones[0]
         G, g = places[ground]
@@ -81,6 +80,25 @@ class FollowedGirdle:
             w, v = (of - by for of, by in zip(motions[bone], motions[ground], strict=True))
             screws[:, i, :3] = w @ G
             screws[:, i, 3:] = (v + np.cross(w, g)) @ G
+
+    def _pose(self, angles: Floats) -> GirdlePose:
+        """Return the girdle; by the angles themselves where they say the plane of elevation."""
+        slopes = self._slopes
+        if slopes is None:
+            return self.rhythm.pose(*self.convention.rotation_and_axes(angles), self.rest)
+        return self.rhythm.pose_at(slopes @ angles, slopes, self.rest)
+
+    @cached_property
+    def _slopes(self) -> Floats | None:
+        """(3, 3) what plane, elevation and axial rotation take of each coordinate; None: unknown.
+
+        Of the conventions that turn about the same axes, the last one in either sense.
+        """
+        units, mix = self.convention.units_and_mix
+        signs = np.einsum('ij,ij->i', units, HUMERUS.units_and_mix[0])
+        if signs[:2].tolist() == [1.0, 1.0] and abs(signs[2]) == 1.0:
+            return np.asarray(signs[:, np.newaxis] * mix)
+        return None
 
     @cached_property
     def _at_rest(self) -> dict[str, tuple[Floats, Floats]]:

@@ -18,7 +18,8 @@ from scipy.spatial.transform import Rotation
 from linkedplane_ros import BroadMuscle, LinkedPlaneError, LinkedPlaneSolver, Skeleton
 from linkedplane_ros.joints.conventions import JOINT_CONVENTIONS
 from linkedplane_ros.skeleton.girdle import Rest
-from linkedplane_ros.skeleton.rhythms import RHYTHMS, LinearRhythm, Rhythm, rhythm_from
+from linkedplane_ros.skeleton.rhythm import LinearRhythm, Rhythm
+from linkedplane_ros.skeleton.rhythms import RHYTHMS, rhythm_from
 
 DELFT = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)))  # of the model's axes
 MEAN_SCAPULA, MEAN_CLAVICLE = (32.047376, 10.669100, -10.320259), (-28.573324, 11.679804, 7.4820950)
