@@ -19,10 +19,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from linkedplane_ros import RHYTHMS, BroadMuscle, LinkedPlaneSolver, Rest
 from linkedplane_ros.recordings.bags.opening import open_bag
-from linkedplane_ros.recordings.poses import TF_TYPE, rotation_from_quaternion
+from linkedplane_ros.recordings.frame_tree import rotation_from_quaternion
+from linkedplane_ros.recordings.poses import TF_TYPE
+from linkedplane_ros.skeleton.followed_girdle import FollowedGirdle
 from linkedplane_ros.skeleton.girdle import HUMERUS
 from linkedplane_ros.types import Floats
 
@@ -72,14 +75,6 @@ def against_scapula(poses: dict[str, Poses], bone: str) -> Poses:
     return back @ R, np.einsum('mij,mj->mi', back, t - s)
 
 
-def since_rest(poses: dict[str, Poses], bone: str, rest: dict[str, Poses]) -> Poses:
-    """Return where a bone has gone in the scapula since rest, as `solve_bones` takes it."""
-    R, t = against_scapula(poses, bone)
-    R0, t0 = against_scapula(rest, bone)
-    turn = R @ R0[0].T
-    return turn, t - turn @ t0[0]
-
-
 class Comparison:
     """A recorded motion of the girdle, and the muscle at it."""
 
@@ -89,10 +84,15 @@ class Comparison:
         self.first = {bone: (R[:1], t[:1]) for bone, (R, t) in poses.items()}
         self.held = LinkedPlaneSolver(BroadMuscle.load('deltoid'))
         self.moving = LinkedPlaneSolver(BroadMuscle.load('deltoid_girdle'))
-        self.raising = np.array(
-            [HUMERUS.rotation_and_axes(HUMERUS.angles(R))[1][:, 1] for R in poses['humerus'][0]]
-        )
-        self.truth = self.solve_held(poses), self.solve_moving(poses, self.first)
+        self.angles = np.array([HUMERUS.angles(R) for R in poses['humerus'][0]])
+        self.raising = HUMERUS.rotations_and_axes(self.angles)[1][:, :, 1]
+        self.truth = self.solve_held(poses), self.solve_moving(poses, self.since_first())
+
+    def since_first(self) -> dict[str, Poses]:
+        """Return the clavicle in the scapula since the first frame, as `solve_bones` takes it."""
+        R, t = against_scapula(self.poses, 'clavicle')
+        turn = R @ R[0].T
+        return {'clavicle': (turn, t - turn @ t[0])}
 
     def solve_held(self, poses: dict[str, Poses]) -> Answer:
         """Return what the muscle without a clavicle answers."""
@@ -100,46 +100,41 @@ class Comparison:
         axes = np.einsum('mji,mj->mi', poses['scapula'][0], self.raising)
         return Answer(states.lengths, np.einsum('mnc,mc->mn', states.moment_vectors, axes))
 
-    def solve_moving(self, poses: dict[str, Poses], rest: dict[str, Poses] | None) -> Answer:
-        """Return what the muscle with a clavicle answers; without a rest the clavicle is held."""
+    def solve_moving(self, poses: dict[str, Poses], clavicle: dict[str, Poses]) -> Answer:
+        """Return what the muscle with a clavicle answers; without poses of it, it is held."""
         R, t = against_scapula(poses, 'humerus')
-        bones = {'humerus': (R, t - t[0])}
-        if rest is not None:
-            bones['clavicle'] = since_rest(poses, 'clavicle', rest)
-        states = self.moving.solve_bones_batch(bones)
+        states = self.moving.solve_bones_batch({'humerus': (R, t), **clavicle})
         axes = np.einsum('mji,mj->mi', poses['scapula'][0], self.raising)
-        screws = np.hstack([axes, np.cross(t - t[0], axes)])  # about the humerus' centre
+        screws = np.hstack([axes, np.cross(t, axes)])  # about the humerus' centre
         last = states.wrenches[:, :, self.moving.bones.index('humerus') - 1]
         return Answer(states.lengths, np.einsum('mnc,mc->mn', last, screws))
 
-    def compare(self, name: str, poses: dict[str, Poses], rest: dict[str, Poses] | None) -> str:
+    def compare(self, name: str, poses: dict[str, Poses], clavicle: dict[str, Poses]) -> str:
         """Return the row of what poses the girdle in place of the truth."""
         true, other = self.poses['scapula'][0], poses['scapula'][0]
         cosine = (np.einsum('mij,mij->m', true, other) - 1.0) / 2.0
         off = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))).mean()
         cells = [f'{off:.1f}']
-        answers = self.solve_held(poses), self.solve_moving(poses, rest)
+        answers = self.solve_held(poses), self.solve_moving(poses, clavicle)
         for answer, truth in zip(answers, self.truth, strict=True):
             for made, meant in zip(answer, truth, strict=True):
                 error = 1e3 * np.abs(made - meant)
                 cells.append(f'{error.mean():.1f} / {error.max():.1f}')
         return f'| {name} | {" | ".join(cells)} |'
 
-    def predict(self, name: str, rest: Rest | None) -> tuple[dict[str, Poses], dict[str, Poses]]:
-        """Return what a rhythm says of the whole motion, and of its first frame."""
-        H = self.poses['humerus'][0]
-        frames = [RHYTHMS[name].pose(R, rest=rest).bones for R in H]
-        poses = {
-            bone: (np.array([each[bone][0] for each in frames]),
-                   np.array([each[bone][1] for each in frames]))
-            for bone in BONES
-        }  # fmt: skip
-        return poses, {bone: (R[:1], t[:1]) for bone, (R, t) in poses.items()}
+    def compare_rhythm(self, name: str, words: str, rest: Rest | None) -> str:
+        """Return the row of a rhythm that starts from a rest."""
+        H, rhythm = self.poses['humerus'][0], RHYTHMS[name]
+        poses = self.with_scapula([rhythm.pose(R, rest=rest).scapula for R in H])
+        followed = FollowedGirdle(HUMERUS, rhythm, rest)
+        clavicle = followed.move_bones(self.angles, self.moving.bones, 'right').poses[:, 0]
+        moved = {'clavicle': (clavicle[:, :, :3], clavicle[:, :, 3])}
+        return self.compare(f'`{name}`, {words}', poses, moved)
 
     def rows(self) -> Iterator[str]:
         """Yield the rows of the table."""
-        yield self.compare('true poses', self.poses, self.first)
-        yield self.compare('true poses of the scapula, clavicle held', self.poses, None)
+        yield self.compare('true poses', self.poses, self.since_first())
+        yield self.compare('true poses of the scapula, clavicle held', self.poses, {})
         S, C, H = (self.first[bone][0][0] for bone in ('scapula', 'clavicle', 'humerus'))
         rests = {
             'own rest': Rest.measured(S, C, H),
@@ -148,17 +143,14 @@ class Comparison:
         }
         for name in RHYTHMS:
             for words, rest in rests.items():
-                yield self.compare(f'`{name}`, {words}', *self.predict(name, rest))
-        yield self.compare('the first frame, unmoved', self.with_scapula(S), None)
-        yield self.compare('angles read as glenohumeral', self.with_scapula(np.eye(3)), None)
+                yield self.compare_rhythm(name, words, rest)
+        yield self.compare('the first frame, unmoved', self.with_scapula(S), {})
+        yield self.compare('angles read as glenohumeral', self.with_scapula(np.eye(3)), {})
 
-    def with_scapula(self, S: Floats) -> dict[str, Poses]:
-        """Return the motion with a scapula that keeps a rotation (3, 3)."""
-        H = self.poses['humerus'][0]
-        nowhere = np.zeros((len(H), 3))
-        scapula = np.broadcast_to(S, H.shape)
-        return {'clavicle': (scapula, nowhere), 'scapula': (scapula, nowhere),
-                'humerus': (H, nowhere)}  # fmt: skip
+    def with_scapula(self, S: npt.ArrayLike) -> dict[str, Poses]:
+        """Return the motion with another rotation of the scapula, (3, 3) or (m, 3, 3)."""
+        H, centre = self.poses['humerus']
+        return {'scapula': (np.broadcast_to(S, H.shape), centre), 'humerus': (H, centre)}
 
     def changes(self) -> Iterator[str]:
         """Yield a row for each band: by how much its length changes in the motion, mm."""
