@@ -44,7 +44,15 @@ ELSEWHERE = {'websocket', 'playbackPath'}  # where else viser's page would read 
 KEEP_ALIVE = {'ping_interval': 2.0, 'ping_timeout': 8.0, 'close_timeout': 1.0}  # s
 STUCK = 8.0  # s in which a browser has to take some of what waits for it
 QUEUE = 1 << 17  # bytes that the system holds for it: more would hide for long what it takes
-POLICY = "connect-src 'self' ws://{host} data: blob:; frame-ancestors 'none'; base-uri 'none'"
+POLICY = '; '.join(
+    (
+        "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:",  # the page is one file
+        "connect-src 'self' ws://{host} data: blob:",
+        "frame-ancestors 'none'",
+        "base-uri 'none'",
+        "form-action 'none'",
+    )
+)
 
 
 class Guard:

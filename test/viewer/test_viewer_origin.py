@@ -9,7 +9,7 @@ from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from typing import Any, ClassVar
 from urllib.parse import urlsplit
 
 import pytest
@@ -43,16 +43,63 @@ ATTACK = """async ([address, version]) => {
   return found;
 }"""
 
+# Each way of a script to reach another address; what it reaches is for that to say
+REACH = """async address => {
+  const refused = [];
+  document.addEventListener('securitypolicyviolation',
+    event => refused.push(event.effectiveDirective));
+  const tries = {
+    fetch: () => fetch(address + '/fetch', {mode: 'no-cors'}).catch(() => 0),
+    xhr: () => {
+      const request = new XMLHttpRequest();
+      request.open('GET', address + '/xhr');
+      request.send();
+    },
+    beacon: () => navigator.sendBeacon(address + '/beacon', 'x'),
+    events: () => new EventSource(address + '/events'),
+    socket: () => new WebSocket(address.replace('http', 'ws') + '/socket'),
+    image: () => { new Image().src = address + '/image'; },
+    frame: () => add('iframe', 'frame'),
+    script: () => add('script', 'script'),
+    form: () => {
+      const place = document.createElement('iframe');
+      place.name = 'hidden';
+      document.body.append(place);
+      const form = add('form', 'form');
+      form.action = address + '/form';
+      form.method = 'post';
+      form.target = 'hidden';
+      form.submit();
+    },
+  };
+  const add = (tag, path) => {
+    const made = document.createElement(tag);
+    made.src = address + '/' + path;
+    document.body.append(made);
+    return made;
+  };
+  for (const attempt of Object.values(tries)) {
+    try { await attempt(); } catch { /* refused at once */ }
+  }
+  await new Promise(done => setTimeout(done, 2000));
+  return refused;
+}"""
+
 
 class Elsewhere(BaseHTTPRequestHandler):
-    """Another page of this machine."""
+    """Another page of this machine; it keeps the paths that it was asked for."""
+
+    asked: ClassVar[list[str]] = []
 
     def do_GET(self) -> None:
         """Answer with an empty page."""
+        self.asked.append(self.path)
         self.send_response(200)
         self.send_header('Content-Type', 'text/html')
         self.end_headers()
         self.wfile.write(b'<!doctype html><title>elsewhere</title><body></body>')
+
+    do_POST = do_GET
 
     def log_message(self, *_: Any) -> None:
         """Say nothing."""
@@ -99,6 +146,27 @@ def test_the_printed_address_works_and_another_page_reads_no_byte_and_moves_noth
         assert 'token' in stranger.content()
         assert page.errors == []
     listener.destroy_node()
+
+
+def test_a_script_of_the_page_reaches_no_other_address(
+    tmp_path: Path, elsewhere: str, ros: None
+) -> None:
+    with ViewerProcess(tmp_path / 'viewer.log') as viewer, open_browser() as chromium:
+        context = chromium.new_context(viewport=WINDOW)
+        free = context.new_page()
+        free.goto(elsewhere)
+        Elsewhere.asked.clear()
+        free.evaluate(REACH, elsewhere)
+        ways = {'/fetch', '/xhr', '/beacon', '/events', '/socket', '/image', '/frame', '/script'}
+        assert {*ways, '/form'} <= set(Elsewhere.asked)  # else it shows nothing
+        page = Page(context.new_page(), viewer.url)
+        assert wait_until(lambda: page.page.get_by_text('Waiting for a muscle').count() > 0)
+        assert page.errors == []
+        Elsewhere.asked.clear()
+        refused = page.page.evaluate(REACH, elsewhere)
+        assert Elsewhere.asked == []
+        assert refused.count('connect-src') == 5, refused
+        assert {'img-src', 'frame-src', 'script-src-elem', 'form-action'} <= set(refused)
 
 
 def ask(host: str, port: int, path: str, headers: dict[str, str]) -> tuple[int, bytes]:
