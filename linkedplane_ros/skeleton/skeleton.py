@@ -18,7 +18,8 @@ from ..joints.articulation import MovedBones
 from ..joints.conventions import as_triple
 from ..joints.rotations import as_floats
 from ..joints.sides import mirror_poses, mirror_screws
-from ..types import Floats, Intervals, Point, Triple
+from ..types import Floats, Intervals
+from .bone_place import Origin, split_place
 from .joint_tree import JointTree, list_names
 from .kinematics import FACTOR, SOURCE, Chain, pose_bones
 from .packing import pack_tree, place_in_link
@@ -26,10 +27,6 @@ from .urdf import EXPAND, MOST_BYTES, parse_urdf
 
 BonePose = tuple[Floats, Floats]
 """(R, t): a point x of the bone stands at R x + t in the ground bone's frame."""
-
-
-Origin = tuple[Point, Triple]
-"""Where a frame stands in a link, as a URDF has it: x, y, z, m, and roll, pitch, yaw, rad."""
 SAME_PLACE: Origin = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
@@ -54,6 +51,8 @@ class Skeleton:
     """(d,) rad or m, where the bones' frames coincide; None where each has its link's own."""
     origin: Origin = SAME_PLACE
     """Of the ground's frame in its link."""
+    places: tuple[Origin | None, ...] = ()
+    """Of the other bones' frames in theirs; None, or none of them: where they coincide at rest."""
 
     @property
     def side(self) -> str:
@@ -139,7 +138,9 @@ class Skeleton:
             The muscle's (`solver.bones`): the ground first, then those that move.
         bone_links
             The link of a bone that is not named as the bone, as one with a robot's prefix. Bones
-            that do not move against each other may share a link.
+            that do not move against each other may share a link. `LINK@X,Y,Z,ROLL,PITCH,YAW` says
+            where the bone's frame stands in it as well, in m and rad: for the ground what `origin`
+            says, for another bone in place of what follows from `rest`.
         rest
             The coordinates at the muscle's rest, rad or m; those not named are 0.
         origin
@@ -168,7 +169,11 @@ class Skeleton:
                 f'bone_links: {describe_value(unknown[0])} is no bone; '
                 f'those are {list_names(names)}'
             )
-        links = tuple(self._find_link(bone, renamed.get(bone, bone)) for bone in names)
+        named = [split_place(bone, renamed.get(bone, bone), self.tree.links) for bone in names]
+        links = tuple(
+            self._find_link(bone, link) for bone, (link, _) in zip(names, named, strict=True)
+        )
+        ground, *places = (place for _, place in named)
         at_rest = dict.fromkeys(self.coordinates, 0.0)
         for name, value in (rest or {}).items():
             if name not in at_rest:
@@ -184,7 +189,9 @@ class Skeleton:
             expected = '((x, y, z), (roll, pitch, yaw)) expected'
             raise SkeletonError(f'origin: {describe_value(origin)} given, {expected}') from None
         place = as_triple('origin: xyz', xyz, 'm'), as_triple('origin: rpy', rpy, 'rad')
-        return Skeleton(self.tree, names, links, tuple(values.tolist()), place)
+        return Skeleton(
+            self.tree, names, links, tuple(values.tolist()), ground or place, tuple(places)
+        )
 
     def _find_link(self, bone: str, link: str) -> str:
         if link in self.tree.links:
@@ -387,6 +394,9 @@ class Skeleton:
             pose_bones(*chain, values, poses, np.empty((1, len(self.rest), k, 6)))
             for i, (R, t) in enumerate(zip(poses[0, :, :, :3], poses[0, :, :, 3], strict=True)):
                 chain.frames[i + 1] = np.column_stack([R.T, -R.T @ t])
+        for i, place in enumerate(self.places):
+            if place is not None:
+                chain.frames[i + 1] = place_in_link(*place)
         return chain
 
 

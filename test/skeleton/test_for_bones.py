@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from random_urdfs import joint, link, random_urdf, robot
+from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import JOINT_CONVENTIONS, LinkedPlaneError, Skeleton, SkeletonError
 from linkedplane_ros.skeleton.skeleton import parse_bone_links
@@ -226,3 +227,50 @@ def test_limits_and_kinds_stand_beside_the_coordinates() -> None:
         robot(link('a'), link('b'), joint('j', 'continuous', 'a', 'b', PLACE))
     )
     assert spinning.limits == ((-np.inf, np.inf),)
+
+
+def test_a_frame_may_be_given_with_the_link_of_its_bone(arm: Skeleton) -> None:
+    place, other = (0.1, -0.2, 0.3), (0.4, -0.5, 0.6)
+    written = '0.1,-0.2,0.3,0.4,-0.5,0.6'
+    links = {**LINKS, 'scapula': f'left/scapula@{written}'}
+    by_link = arm.for_bones(['scapula', 'humerus'], links, rest={'left/shoulder': 0.3})
+    by_origin = arm.for_bones(
+        ['scapula', 'humerus'], LINKS, rest={'left/shoulder': 0.3}, origin=(place, other)
+    )
+    for mine, same in zip(by_link.pose([0.7, 0.1])['humerus'],
+                          by_origin.pose([0.7, 0.1])['humerus'], strict=True):  # fmt: skip
+        np.testing.assert_allclose(mine, same, rtol=0, atol=1e-15)
+
+    # of another bone: in the link's frame, whatever the rest is
+    links = {**LINKS, 'humerus': f'left/humerus@{written}'}
+    moved = arm.for_bones(['scapula', 'humerus'], links)
+    link_R, link_t = plain_pose(arm, [0.7, 0.1])
+    R, t = moved.pose([0.7, 0.1])['humerus']
+    turn = Rotation.from_euler('xyz', other).as_matrix()  # fixed axes, as a URDF has them
+    np.testing.assert_allclose(R, link_R @ turn, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(t, link_R @ place + link_t, rtol=0, atol=1e-15)
+    q, step = np.array([0.7, 0.1]), STEP * np.array([1.0, 0.0])
+    ahead, behind = (moved.pose(q + each)['humerus'][1] for each in (step, -step))
+    w, v = np.split(moved.screws([0.7, 0.1])[0, 0], 2)
+    np.testing.assert_allclose(v + np.cross(w, t), (ahead - behind) / (2 * STEP), atol=STEPPED)
+
+
+def plain_pose(arm: Skeleton, q: Any) -> Any:
+    """Return the humerus' link in the scapula's, in their own frames."""
+    return arm.pose(q)['left/humerus']
+
+
+def test_a_link_may_have_an_at_in_its_name_and_six_numbers_are_expected_after_others() -> None:
+    text = ARM.replace('left/', 'left@1/')
+    links = {bone: link.replace('left/', 'left@1/') for bone, link in LINKS.items()}
+    skeleton = Skeleton.from_urdf(text).for_bones(['scapula', 'humerus'], links)
+    assert skeleton.links == ('left@1/scapula', 'left@1/humerus')
+    for wrong in ('', '1,2,3', '1,2,3,4,5,x', '1,2,3,4,5,inf', '1,2,3,4,5,6,7'):
+        with pytest.raises(SkeletonError, match=r'^bone_links: scapula: .* expected$'):
+            Skeleton.from_urdf(ARM).for_bones(
+                ['scapula', 'humerus'], {**LINKS, 'scapula': f'left/scapula@{wrong}'}
+            )
+    with pytest.raises(SkeletonError, match='no link'):
+        Skeleton.from_urdf(ARM).for_bones(
+            ['scapula', 'humerus'], {**LINKS, 'scapula': 'other@0,0,0,0,0,0'}
+        )
