@@ -72,12 +72,13 @@ TOPIC = ('topic', 'type', 'quality of service', 'content')
 
 def subscribed() -> str:
     """Return what the node subscribes."""
-    return markdown_table(TOPIC, topics.topic_rows((topics.JOINT_STATES, topics.CLOCK)))
+    wanted = topics.JOINT_STATES, topics.ROBOT_DESCRIPTION, topics.CLOCK
+    return markdown_table(TOPIC, topics.topic_rows(wanted))
 
 
 def published() -> str:
     """Return what the node publishes."""
-    rows = topics.topic_rows(topics.OUTPUTS, 'deltoid/')
+    rows = topics.topic_rows((*topics.OUTPUTS, *topics.BONE_OUTPUTS), 'deltoid/')
     return markdown_table(TOPIC, [*rows, *topics.topic_rows((topics.DIAGNOSTICS,))])
 
 

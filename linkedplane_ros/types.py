@@ -15,6 +15,8 @@ Stamps = npt.NDArray[np.int64]
 
 Triple = tuple[float, float, float]
 """A number for each of a convention's three coordinates."""
+JointValues = tuple[float, ...]
+"""A number for each of d coordinates: rad, or m of prismatic joints; or its speed."""
 Point = tuple[float, float, float]
 """x, y, z along the axes of a frame, in the unit that its owner states."""
 Colour = tuple[float, float, float]

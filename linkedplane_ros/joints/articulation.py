@@ -8,7 +8,7 @@ the bones by a chain of joints, and a shoulder rhythm, where bones follow that n
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,6 @@ class MovedBones(NamedTuple):
     axes, v is the velocity of its point at the ground's origin, m (of prismatic joints: 0, 1)."""
 
 
-@runtime_checkable
 class Articulation(Protocol):
     """What moves the bones of a muscle; see `LinkedPlaneSolver.answer`."""
 
@@ -68,7 +67,7 @@ class Articulation(Protocol):
 
 def check_articulation(given: object) -> None:
     """Refuse what moves no bones."""
-    if not isinstance(given, Articulation):
+    if not hasattr(given, 'move_bones'):  # isinstance would take longer than to solve
         expected = 'one of JOINT_CONVENTIONS expected, or a Skeleton for the bones'
         raise LinkedPlaneError(f'convention: {describe_value(given)} given, {expected}')
 

@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import Protocol
 
 from ..errors import LinkedPlaneError, describe_value
+from ..types import JointValues
 from .articulation import CONTINUOUS, PRISMATIC, REVOLUTE
 
 FULL_CIRCLE = 2.0 * math.pi  # rad: a larger angle is taken for degrees, a larger offset refused
@@ -29,6 +30,7 @@ REASONS = (
     'degrees',
     'too_large',
     'incomplete',
+    'waiting',
     'stale',
     'no_plane',
     'answer_not_finite',
@@ -95,8 +97,8 @@ class JointMap:
 
     names: tuple[str, ...]
     """The joints, in the order of the coordinates."""
-    signs: tuple[float, ...]
-    offsets: tuple[float, ...]
+    signs: JointValues
+    offsets: JointValues
     """rad, a full turn at most; of prismatic joints m."""
     kinds: tuple[str, ...] = ()
     """REVOLUTE, CONTINUOUS or PRISMATIC; empty: all revolute."""
@@ -180,7 +182,7 @@ class JointMemory:
         velocities: Sequence[float],
         stamp: Stamp | None = None,
         arrival: float = 0.0,
-    ) -> tuple[tuple[float, ...], tuple[float, ...] | None, str]:
+    ) -> tuple[JointValues, JointValues | None, str]:
         """Take one message in, and return the joints as they are then.
 
         Parameters
@@ -198,9 +200,9 @@ class JointMemory:
 
         Returns
         -------
-        angles : tuple of float
+        angles : JointValues
             (d) the coordinates, rad or m.
-        velocities : tuple of float or None
+        velocities : JointValues or None
             (d) rad/s or m/s; None where one is not known for the newest position.
         warning : str
             Why the message's velocities were left out; empty where they were not.

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -46,6 +46,10 @@ class Tally:
     """s, of each joint's value."""
     oldest: float = STALE_AFTER
     """s: an older value of a joint is worth a warning."""
+    awaited: str = ''
+    """What has to come before anything is answered; empty: nothing."""
+    unseen: Sequence[str] = ()
+    """The joints that have not come so far."""
     same_name: str = ''
     """A line on other nodes of this node's name."""
     _before: Counter[str] = field(default_factory=Counter)
@@ -53,6 +57,8 @@ class Tally:
     def assess(self, now: float) -> tuple[bytes, str]:
         """Return the level and its line: rejected input warns, no input is stale; `now` in s."""
         new = self._count_new()
+        if self.awaited:
+            return DiagnosticStatus.WARN, f'waiting for {self.awaited}'
         if self.last_arrival is None and self.others:
             return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_other}'
         if self.last_arrival is None:
@@ -153,6 +159,8 @@ def build_status(
             values[f'{kind} time {figure} (ms)'] = text
     age = 'none' if tally.last_arrival is None else f'{now - tally.last_arrival:.3f}'
     values['input age (s)'] = age
+    if tally.unseen:
+        values['joints not seen so far'] = ', '.join(tally.unseen)
     for joint, seconds in tally.ages.items():
         values[f'age of joint {joint} (s)'] = f'{seconds:.3f}'
     if tally.last_state is not None:

@@ -11,7 +11,13 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout
 
-from ..processing.topics import ANSWERS, dimension_names, label_dimensions, moment_arm_names
+from ..processing.topics import (
+    ANSWERS,
+    WRENCHES,
+    dimension_names,
+    label_dimensions,
+    moment_arm_names,
+)
 from ..solver.states import MuscleState
 from ..types import Floats
 
@@ -37,15 +43,23 @@ class Answers:
 
     Parameters
     ----------
-    bands, coordinates
+    bands, coordinates, bones
         The names in the layouts of the arrays, and of the joints of the states.
     frame_id
         The frame of the states.
 
     """
 
-    def __init__(self, bands: Sequence[str], coordinates: Sequence[str], frame_id: str) -> None:
-        names = dimension_names(bands, coordinates)
+    def __init__(
+        self,
+        bands: Sequence[str],
+        coordinates: Sequence[str],
+        frame_id: str,
+        bones: Sequence[str] = (),
+    ) -> None:
+        names = dimension_names(bands, coordinates, bones)
+        self._wrenches = message_class(WRENCHES.type)()
+        self._wrenches.layout = layout(*((kind, names[kind]) for kind in WRENCHES.dimensions))
         self._topics = {topic.name: message_class(topic.type)() for topic in ANSWERS}
         for topic in ANSWERS:
             if topic.dimensions:
@@ -71,7 +85,7 @@ class Answers:
         state
             The muscle's.
         arms
-            (n, 3) moment arms about the coordinates, m.
+            (n, d) moment arms about the coordinates, m.
         lengthening
             (n,) lengthening speeds, m/s; None if the input has no velocities.
 
@@ -93,6 +107,11 @@ class Answers:
         arm_states.position = moment_arms
         self._numbers = lengths, moment_arms, speeds
         return topics
+
+    def update_wrenches(self, state: MuscleState) -> Any:
+        """Return the message of the wrenches on the bones; the next call changes the same one."""
+        self._wrenches.data = array('d', state.wrenches.tobytes())
+        return self._wrenches
 
     def add_up(self) -> float:
         """Return the sum of all lengths, arms and speeds of the newest messages."""

@@ -7,10 +7,12 @@ A JointState becomes three angles in `joints.joint_state`; `outputs` answers the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from threading import Timer
 from time import perf_counter
 from typing import Any
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
@@ -22,17 +24,21 @@ from sensor_msgs.msg import JointState
 from ..errors import LinkedPlaneError, describe_value, escape_controls
 from ..joints.joint_state import JointMemory, OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
+from ..skeleton.still_second import StillSecond
 from . import qos
+from .articulations import BY_TOPIC, Received
 from .declaration import declare_parameters
 from .outputs import THROTTLE, MuscleOutputs
 from .parameter_requests import refuse_odd_requests
 from .parameters import NAMES, is_list
 from .rehearsal import rehearse
+from .robot_description import DescriptionReader
 from .ros_arguments import warn_of_unknown_parameters
 from .settings import Settings, refusals
 from .topics import DIAGNOSTICS, JOINT_STATES, NODE_NAME
 
 USE_SIM_TIME = 'use_sim_time'
+OF_REST = ('rest', 'joint_convention', 'joint_names', 'joint_signs', 'joint_offsets')
 OTHERS_ALONE = 2.0  # s: so long after the first message of other joints, ours should have come
 
 
@@ -44,12 +50,16 @@ class MuscleStatePublisher(Node):
         super().__init__(NODE_NAME, **kwargs)
         self._muscles: Sequence[MuscleOutputs] = ()
         self._peer_lines: list[str] = []
-        self._candidate: tuple[Settings, list[MuscleOutputs]] | None = None  # accepted, not applied
+        self._awaited = ''
+        # accepted, not applied
+        self._candidate: tuple[Settings, list[MuscleOutputs], Received] | None = None
+        self._received = Received()
+        self._description = DescriptionReader(self, self._take_description)
         self._simulated = self._is_time_simulated()
         settings = self._declare_parameters()
         for text, fault in settings.left_out.items():
             self.get_logger().error(f'muscle {text} is left out: {fault}')
-        self._apply(settings, self._open_outputs(settings))
+        self._apply(settings, self._open_outputs(settings), self._received)
         self._diagnostics = self.create_publisher(
             DiagnosticArray,
             DIAGNOSTICS.name,
@@ -70,12 +80,7 @@ class MuscleStatePublisher(Node):
                 event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
                 qos_overriding_options=qos.overridable_policies(),
             )
-        self.get_logger().info(
-            f'{", ".join(muscle.name for muscle in self._muscles)}, '
-            f'{settings.solvers[0].side} shoulder; '
-            f'{settings.convention.name}: {settings.convention.formula}; '
-            f'joints {", ".join(settings.joints.names)}, humerus against scapula, rad'
-        )
+        self._log_settings()
         self._warn_of_convention()
         warn_of_unknown_parameters(self)
 
@@ -90,13 +95,24 @@ class MuscleStatePublisher(Node):
         finally:
             notice.cancel()
 
+    def _log_settings(self) -> None:
+        settings, moved = self._settings, self._settings.articulations
+        joints = f'; joints {", ".join(settings.joints.names)}, {moved.measures}'
+        self.get_logger().info(
+            f'{", ".join(muscle.name for muscle in self._muscles)}, '
+            f'{settings.solvers[0].side} shoulder; {moved.summary}' + joints * bool(moved.measures)
+        )
+
     def _warn_of_convention(self) -> None:
-        """Log what the convention's streams usually measure, if that is not what is needed."""
-        if caution := self._settings.convention.caution:
+        """Log what the streams usually measure, and which bones do not move, if it matters."""
+        for caution in self._settings.cautions:
             self.get_logger().warning(caution)
 
-    def _apply(self, settings: Settings, muscles: Sequence[MuscleOutputs]) -> None:
+    def _apply(
+        self, settings: Settings, muscles: Sequence[MuscleOutputs], received: Received
+    ) -> None:
         """Use these settings and answer with these muscles from now on."""
+        moved = settings.articulations
         if len(muscles) == len(self._muscles) == 1:  # the counts go on
             muscles[0].tally = self._muscles[0].tally
         for gone in self._muscles:
@@ -108,23 +124,31 @@ class MuscleStatePublisher(Node):
             self._other: OtherJoints | None = None  # the newest that has not been logged
             self._first_other: float | None = None  # s, when it came
             self._others_logged = False
+        if received.rest is None:
+            self._still = StillSecond()
+        self._received = received if moved.by_topic else replace(received, urdf=None)
+        self._description.want(moved.by_topic)
         self._memory.timeout = settings.joint_timeout
         self._settings, self._muscles = settings, muscles
         logger = self.get_logger()
-        for muscle, solver in zip(muscles, settings.solvers, strict=True):
+        moved_by = moved.moved_by or (None,) * len(muscles)
+        for muscle, solver, by in zip(muscles, settings.solvers, moved_by, strict=True):
             own = logger if len(muscles) == 1 else logger.get_child(muscle.name)
-            muscle.apply(settings, solver, own)
+            muscle.apply(settings, solver, by, own)
+        if moved.awaited and moved.awaited != self._awaited:
+            logger.info(f'waiting for {moved.awaited}')
+        self._awaited = moved.awaited
 
     def _open_outputs(self, settings: Settings) -> list[MuscleOutputs]:
         """Return the outputs of the settings' muscles, keeping those that are open by name."""
-        kept = {muscle.name: muscle for muscle in self._muscles}
-        names = [solver.muscle.name for solver in settings.solvers]
-        opened: dict[str, MuscleOutputs] = {}
+        kept = {(muscle.name, muscle.many_bones): muscle for muscle in self._muscles}
+        names = [(each.muscle.name, len(each.bones) > 2) for each in settings.solvers]
+        opened: dict[tuple[str, bool], MuscleOutputs] = {}
         try:
             with qos.override_errors():
                 for name in names:
                     if name not in kept:
-                        opened[name] = MuscleOutputs(self, name)
+                        opened[name] = MuscleOutputs(self, *name)
         except LinkedPlaneError:
             for muscle in opened.values():
                 muscle.close()
@@ -140,9 +164,12 @@ class MuscleStatePublisher(Node):
         self._drop_candidate()
         try:
             with refusals('parameters'):
-                settings = Settings.from_values(self._merge_values(changes), may_fail)
+                received = self._received
+                if not names.isdisjoint(OF_REST):
+                    received = replace(received, rest=None)
+                settings = Settings.from_values(self._merge_values(changes), may_fail, received)
                 rehearse(settings)
-                self._candidate = settings, self._open_outputs(settings)
+                self._candidate = settings, self._open_outputs(settings), received
         except LinkedPlaneError as error:
             return SetParametersResult(successful=False, reason=escape_controls(str(error)))
         return SetParametersResult(successful=True)
@@ -169,7 +196,7 @@ class MuscleStatePublisher(Node):
                 self.get_logger().info(
                     f'parameter {change.name}: {describe_value(value)} from now on'
                 )
-        if 'joint_convention' in names:
+        if not names.isdisjoint(('joint_convention', 'skeleton', 'rhythm', 'muscle')):
             self._warn_of_convention()
 
     def _is_time_simulated(self) -> bool:
@@ -184,6 +211,9 @@ class MuscleStatePublisher(Node):
         """Let each muscle answer one joint state, or log why it is rejected."""
         start = perf_counter()
         stamp = message.header.stamp
+        if self._awaited and not self._settings.articulations.finds_rest:
+            self._reject_waiting(start)
+            return
         try:
             angles, speeds, warning = self._memory.take_message(
                 message.name,
@@ -209,8 +239,51 @@ class MuscleStatePublisher(Node):
         self._has_come = True
         if warning:
             self.get_logger().warning(warning, throttle_duration_sec=THROTTLE)
+        if self._awaited and not self._find_rest(stamp, angles, start):
+            self._reject_waiting(start)
+            return
         for muscle in self._muscles:
             start = muscle.answer(stamp, angles, speeds, start)
+
+    def _reject_waiting(self, start: float) -> None:
+        """Count a message that came too early; the log has said once for what the node waits."""
+        for muscle in self._muscles:
+            muscle.reject(Rejected('waiting', f'waiting for {self._awaited}'), start)
+
+    def _find_rest(self, stamp: Time, angles: Sequence[float], start: float) -> bool:
+        """Take a pose in; return whether the subject's rest is known, then used from now on."""
+        rotation = self._settings.convention.rotation(angles)
+        nanoseconds = stamp.sec * 10**9 + stamp.nanosec or int(1e9 * start)
+        rest = self._still.add(nanoseconds, {'humerus': rotation})
+        if rest is None:
+            return False
+        received = replace(self._received, rest=rest)
+        values, left_out = self._merge_values([]), self._settings.left_out
+        settings = Settings.from_values(values, left_out, received)
+        self._apply(settings, self._muscles, received)
+        self.get_logger().info(f'the arm hangs still: {settings.articulations.measures}')
+        return True
+
+    def _take_description(self, text: str) -> None:
+        """Use a URDF from now on, or log why not."""
+        if text == self._received.urdf:
+            return
+        received = replace(self._received, urdf=text)
+        values, left_out = self._merge_values([]), self._settings.left_out
+        try:
+            with refusals(BY_TOPIC):
+                settings = Settings.from_values(values, left_out, received)
+                rehearse(settings)
+                outputs = self._open_outputs(settings)
+        except LinkedPlaneError as error:
+            known = self._received.urdf is not None
+            kept = 'the one before stays' if known else 'still waiting for one'
+            line = escape_controls(str(error))
+            self.get_logger().error(f'robot description not used: {line}; {kept}')
+            return
+        self._drop_candidate()
+        self._apply(settings, outputs, received)
+        self._log_settings()
 
     def _read_clock(self) -> float:
         """Return the time, s, on which joints grow old: the simulated one, if time is simulated."""
@@ -237,6 +310,7 @@ class MuscleStatePublisher(Node):
         self._log_others()
         self._drop_candidate()
         of_input = qos.describe_incompatible_peers(self, self._input)
+        of_input += self._description.describe_incompatible_peers()
         lines = list(of_input)
         for muscle in self._muscles:
             lines += muscle.check_peers(of_input)[len(of_input) :]
@@ -251,6 +325,9 @@ class MuscleStatePublisher(Node):
         for muscle in self._muscles:
             muscle.republish_markers()
         ages = self._memory.find_ages(self._read_clock())
+        unseen = self._memory.find_unseen()
+        for muscle in self._muscles:
+            muscle.tally.unseen = unseen
         array = DiagnosticArray(status=[muscle.build_status(ages) for muscle in self._muscles])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)

@@ -19,20 +19,21 @@ from rclpy.node import Node
 
 from ..drawing.shapes import RateLimiter
 from ..errors import LinkedPlaneError, describe_value
+from ..joints.articulation import PRISMATIC, Articulation
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.moment_bounds import moment_arm_bounds
 from ..solver.states import Answer, MuscleState
-from ..types import Triple
+from ..types import JointValues
 from . import qos
 from .diagnostics import STALE_AFTER, Tally, build_status
 from .markers import MuscleMarkers
 from .messages import Answers, message_class
 from .range_count import OutsideCounter
-from .settings import STILL, Settings
-from .topics import NODE_NAME, OUTPUTS
+from .settings import Settings
+from .topics import BONE_OUTPUTS, NODE_NAME, OUTPUTS
 
 THROTTLE = 5.0  # s between log lines on rejected messages
 LONGEST_TOPIC = 247  # characters, with the namespace: the middleware's longest name
@@ -42,19 +43,20 @@ DEGREES_AT_LEAST = 50  # messages: fewer are faults of some messages, not of the
 class MuscleOutputs:
     """Publishes the state of one muscle for the angles that the node has received."""
 
-    def __init__(self, node: Node, name: str) -> None:
-        """Create the publishers, named after the muscle.
+    def __init__(self, node: Node, name: str, many_bones: bool = False) -> None:
+        """Create the publishers, named after the muscle; those of many bones, too.
 
         LinkedPlaneError for a name that topics cannot have, RuntimeError for a wrong override.
         """
-        self.name = name
+        self.name, self.many_bones = name, many_bones
+        outputs = (*OUTPUTS, *BONE_OUTPUTS) if many_bones else OUTPUTS
         self.tally = Tally()
         self.topics: dict[str, Any] = {}
         self._node = node
         self._served = 0  # viewers of the newest markers
         self._cleared = False
         try:
-            for topic in OUTPUTS:
+            for topic in outputs:
                 self.topics[topic.name] = node.create_publisher(
                     message_class(topic.type),
                     f'{name}/{topic.name}',
@@ -75,17 +77,27 @@ class MuscleOutputs:
             raise
         self._on_demand = {
             topic.name
-            for topic in OUTPUTS
+            for topic in outputs
             if topic.on_demand and not qos.is_latched(self.topics[topic.name])
         }
 
-    def apply(self, settings: Settings, solver: LinkedPlaneSolver, logger: RcutilsLogger) -> None:
-        """Use these settings from now on; what cannot be answered is logged."""
+    def apply(
+        self,
+        settings: Settings,
+        solver: LinkedPlaneSolver,
+        moved_by: Articulation | None,
+        logger: RcutilsLogger,
+    ) -> None:
+        """Use these settings from now on; what cannot be answered is logged.
+
+        `moved_by` is what moves the muscle's bones; None while that has still to come.
+        """
         if not settings.markers_enabled:
             self._clear_markers()
         muscle = solver.muscle
         self._settings, self._solver, self._logger = settings, solver, logger
-        self._convention = settings.convention
+        moved = settings.articulations
+        self._moved_by, self._still = moved_by, (0.0,) * len(moved.coordinates)
         self._cleared = False
         self.tally.last_state = None  # that of other settings
         self._markers = MuscleMarkers(
@@ -96,8 +108,9 @@ class MuscleOutputs:
         self._bounds = moment_arm_bounds(muscle)
         self._least_square = float(self._bounds.min()) ** 2
         self.tally.oldest = settings.joint_timeout or STALE_AFTER
+        self.tally.awaited = moved.awaited
         self._answers = Answers(
-            muscle.band_names, settings.convention.coordinates, settings.frame_id
+            muscle.band_names, moved.coordinates, settings.frame_id, solver.bones[1:]
         )
 
     def close(self) -> None:
@@ -135,17 +148,19 @@ class MuscleOutputs:
                 once=True,
             )
 
-    def answer(self, stamp: Time, angles: Triple, speeds: Triple | None, start: float) -> float:
-        """Publish the state at given angles, or log why there is none.
+    def answer(
+        self, stamp: Time, angles: JointValues, speeds: JointValues | None, start: float
+    ) -> float:
+        """Publish the state at given values, or log why there is none.
 
         Parameters
         ----------
         stamp
             The input's.
         angles
-            The convention's three, rad.
+            Of the coordinates, rad or m.
         speeds
-            Their speeds, rad/s; None if the input has no velocities.
+            Their speeds, rad/s or m/s; None if the input has no velocities.
         start
             When the work on this input began, s, on the clock of perf_counter.
 
@@ -168,24 +183,27 @@ class MuscleOutputs:
         for name, message in messages.items():
             if self._is_wanted(name):
                 topics[name].publish(message)
+        if self.many_bones and self._is_wanted('wrenches'):
+            topics['wrenches'].publish(self._answers.update_wrenches(state))
         if self._is_wanted('markers') and self._limiter.allows(
             stamp.sec + 1e-9 * stamp.nanosec, start
         ):
             self._publish_markers(state, stamp)
         tally.answered += 1
         self._outside.add(state.rotation)
-        tally.near_singular += sine_of_singularity(answer.axes) < NEAR_SINGULAR
+        if answer.axes is not None:
+            tally.near_singular += sine_of_singularity(answer.axes) < NEAR_SINGULAR
         tally.last_state, self._last_stamp = state, stamp
         end = perf_counter()
         tally.callback_times.append(end - start)
         return end
 
     def _solve(
-        self, stamp: Time, angles: Triple, speeds: Triple | None, start: float
+        self, stamp: Time, angles: JointValues, speeds: JointValues | None, start: float
     ) -> tuple[Answer, Mapping[str, Any]]:
         """Return the answer and the message of each topic; Rejected if it cannot be published."""
         try:
-            answer = self._solver.answer(self._convention, angles, speeds or STILL)
+            answer = self._solver.answer(self._moved_by, angles, speeds or self._still)
         except LinkedPlaneError as error:
             raise Rejected('no_plane', str(error)) from None
         self.tally.solve_times.append(perf_counter() - start)
@@ -194,13 +212,23 @@ class MuscleOutputs:
         vectors = answer.state.moment_vectors
         lever = float(np.vdot(vectors, vectors))  # m^2; while it is small, none is beyond
         if not math.isfinite(lever + self._answers.add_up()):
-            degrees = ', '.join(f'{math.degrees(angle):.6g}' for angle in angles)
             raise Rejected(
-                'answer_not_finite', f'the state of {self.name} at {degrees} deg is not finite'
+                'answer_not_finite',
+                f'the state of {self.name} at {self._describe_values(angles)} is not finite',
             )
         if lever > self._least_square:
             self.tally.beyond += bool((np.linalg.norm(vectors, axis=1) > self._bounds).any())
         return answer, messages
+
+    def _describe_values(self, values: JointValues) -> str:
+        """Return values of the coordinates as text, angles in deg."""
+        kinds = self._settings.articulations.kinds
+        if PRISMATIC not in kinds:
+            return ', '.join(f'{math.degrees(value):.6g}' for value in values) + ' deg'
+        return ', '.join(
+            f'{value:.6g} m' if kind == PRISMATIC else f'{math.degrees(value):.6g} deg'
+            for value, kind in zip(values, kinds, strict=True)
+        )
 
     def _is_wanted(self, topic: str) -> bool:
         """Return whether somebody may read a topic; a latched one is kept for those to come."""
@@ -243,8 +271,7 @@ class MuscleOutputs:
             'muscle': self.name,
             'scale': settings.scale,
             'side': side,
-            'joint convention': settings.convention.name,
-            'rotation': settings.convention.formula,
+            **settings.articulations.facts,
             'joints': ', '.join(settings.joints.names),
             'compiled': 'yes' if COMPILED else 'no',
         }

@@ -18,6 +18,7 @@ from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC
 from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.sides import SIDES
+from ..skeleton.rhythms import RHYTHMS
 
 Value = str | bool | int | float | list[str] | list[float]
 
@@ -49,13 +50,15 @@ class ParameterSpec:
         choices = ', '.join(f'{quote}{choice}{quote}' for choice in self.choices)
         return f'{self.meaning}{limits}' + (f' One of {choices}.' if choices else '')
 
-    def check(self, value: Any) -> Value:
+    def check(self, value: Any, joints: int | None = 3) -> Value:
         """Return a value as the parameter's type.
 
         Parameters
         ----------
         value
             As rclpy gives it. A whole number is accepted for a double.
+        joints
+            How many items a list for the joints must have; None: any number.
 
         Raises
         ------
@@ -64,7 +67,7 @@ class ParameterSpec:
 
         """
         if isinstance(self.default, list):
-            return self._check_list(value)
+            return self._check_list(value, joints)
         if self.numbers and not isinstance(value, str):
             items = value if isinstance(value, (Sequence, array)) else [value]
             if not items or not all(is_finite_number(item) for item in items):
@@ -89,20 +92,26 @@ class ParameterSpec:
             raise self._fault(value, f'{self.low:g} to {self.high:g}')
         return int(value) if whole else float(value)
 
-    def _check_list(self, value: Any) -> Value:
+    def _check_list(self, value: Any, joints: int | None) -> Value:
         items = list(value) if is_list(value) else [value]
+        if self.name == 'bone_links':
+            if not items or not all(isinstance(item, str) for item in items):
+                raise self._fault(value, 'a list of BONE:=LINK')
+            return items
+        each = 'a list of' if joints is None else str(joints)
+        right = len(items) == (joints or len(items))
         if self.name == 'joint_names':
             if items in ([], ['']):
                 return []
-            if len(items) != 3 or not all(isinstance(item, str) and item for item in items):
-                raise self._fault(value, '3 joint names')
+            if not right or not all(isinstance(item, str) and item for item in items):
+                raise self._fault(value, f'{each} joint names')
             if not all(item.strip() and item.isprintable() for item in items):
-                raise self._fault(value, '3 joint names that print')
-            if len(set(items)) < 3:
-                raise self._fault(value, '3 different joints')
+                raise self._fault(value, f'{each} joint names that print')
+            if len(set(items)) < len(items):
+                raise self._fault(value, f'{each} different joints')
             return items
-        if len(items) != 3 or not all(is_finite_number(item) for item in items):
-            raise self._fault(value, '3 finite numbers')
+        if not right or not all(is_finite_number(item) for item in items):
+            raise self._fault(value, f'{each} finite numbers')
         return [float(item) for item in items]
 
     def _fault(self, value: Any, expected: str) -> LinkedPlaneError:
@@ -147,23 +156,57 @@ SPECS = (
     ParameterSpec(
         'joint_convention',
         'flexion_abduction_rotation',
-        'What the three angles mean: humerus against scapula, right-shoulder axes x lateral, '
-        'y anterior, z superior.',
+        'What the three angles mean: humerus against scapula (with a rhythm: against the thorax), '
+        'right-shoulder axes x lateral, y anterior, z superior. A skeleton has its own.',
         choices=tuple(JOINT_CONVENTIONS),
+    ),
+    ParameterSpec(
+        'skeleton',
+        '',
+        'The chain of joints that moves the bones, in place of the convention: a bundled one '
+        '(`shoulder_girdle`, `hip`), the path of a .urdf, or `robot_description`, the URDF on the '
+        'topic of that name; empty: none.',
+    ),
+    ParameterSpec(
+        'bone_links',
+        [''],
+        "With a skeleton: the links of the muscle's bones that are not named as the bones, a list "
+        'of `BONE:=LINK`.',
+    ),
+    ParameterSpec(
+        'rhythm',
+        '',
+        'For angles of the humerus against the thorax, how scapula and clavicle follow: '
+        f'{", ".join(f"`{name}`" for name in RHYTHMS)}, or a number, the ratio of glenohumeral to '
+        'scapulothoracic elevation; empty: they do not, the angles are against the scapula.',
+        numbers=True,
+    ),
+    ParameterSpec(
+        'rest',
+        '',
+        'Where the rhythm starts from. `still`: the first second in which the arm hangs still, '
+        "nothing is answered before; or 3 or 5 numbers, rad: the scapula's protraction, lateral "
+        "rotation and tilt with the arm hanging, and the humerus' plane of elevation and elevation "
+        "there; empty: an average subject's (of a ratio: the thorax's axes).",
+        numbers=True,
     ),
     ParameterSpec(
         'joint_names',
         [''],
-        "The three joints in the convention's order; one empty name, or none: its coordinates.",
+        "The three joints in the convention's order, or one for each of a skeleton's coordinates; "
+        'one empty name, or none: the coordinates.',
     ),
     ParameterSpec(
-        'joint_signs', [1.0, 1.0, 1.0], 'angle = sign * position + offset: the three signs, +-1.'
+        'joint_signs',
+        [1.0, 1.0, 1.0],
+        'angle = sign * position + offset: the three signs, +-1, or one '
+        "for each of a skeleton's coordinates (where they are all 1, the default is right).",
     ),
     ParameterSpec(
         'joint_offsets',
         [0.0, 0.0, 0.0],
-        'angle = sign * position + offset: three offsets, rad; '
-        'a full turn (2 pi) either way at most.',
+        "angle = sign * position + offset: three offsets, rad, or one for each of a skeleton's "
+        'coordinates (of prismatic ones, m); a full turn (2 pi) either way at most.',
     ),
     ParameterSpec(
         'joint_timeout',

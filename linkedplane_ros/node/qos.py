@@ -35,7 +35,11 @@ VOLATILE, LATCHED = DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL
 
 def profile(topic: Topic) -> QoSProfile:
     """Return the quality of service of a topic of the node."""
-    return QoSProfile(depth=topic.depth, reliability=ReliabilityPolicy[topic.reliability.upper()])
+    return QoSProfile(
+        depth=topic.depth,
+        reliability=ReliabilityPolicy[topic.reliability.upper()],
+        durability=LATCHED if topic.latched else VOLATILE,
+    )
 
 
 def overridable_policies() -> QoSOverridingOptions:

@@ -8,7 +8,7 @@ from rclpy.serialization import serialize_message
 
 from .markers import MuscleMarkers
 from .messages import Answers
-from .settings import STILL, Settings, refusals
+from .settings import Settings, refusals
 
 
 def rehearse(settings: Settings) -> None:
@@ -21,17 +21,23 @@ def rehearse(settings: Settings) -> None:
 
     """
     with refusals('parameters'):
-        for solver in settings.solvers:
-            muscle, convention = solver.muscle, settings.convention
-            answer = solver.answer(convention, STILL, STILL)
-            answers = Answers(muscle.band_names, convention.coordinates, settings.frame_id)
+        moved = settings.articulations
+        still = (0.0,) * len(moved.coordinates)
+        for solver, moved_by in zip(settings.solvers, moved.moved_by, strict=False):
+            muscle = solver.muscle
+            answer = solver.answer(moved_by, still, still)
+            answers = Answers(
+                muscle.band_names, moved.coordinates, settings.frame_id, solver.bones[1:]
+            )
             markers = MuscleMarkers(
                 muscle, settings.frame_id, settings.markers_points, settings.markers_details
             )
+            of_bones = (answers.update_wrenches(answer.state),) if len(solver.bones) > 2 else ()
             for message in (
                 *answers.update(
                     Time(), answer.state, answer.moment_arms, answer.lengthening
                 ).values(),
+                *of_bones,
                 markers.update(answer.state, Time()),
             ):
                 serialize_message(message)

@@ -13,10 +13,12 @@ from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.frame_names import check_frame_name
 from ..joints.joint_state import FULL_CIRCLE, JointMap
 from ..muscle.broad_muscle import BroadMuscle
+from ..skeleton.joint_tree import list_names
 from ..solver.linked_plane_solver import LinkedPlaneSolver
+from .articulations import NOTHING, Articulations, Received, articulate, check_combination
 from .parameters import SPECS
 
-STILL = (0.0, 0.0, 0.0)  # rad, rad/s
+ONES, NONE = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0]  # joint_signs and joint_offsets by default
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,8 @@ class Settings:
     """The given muscles that cannot be used, each with the reason."""
     scale: str
     convention: JointConvention
+    articulations: Articulations
+    """What moves the bones."""
     joints: JointMap
     joint_timeout: float
     """s; 0: for ever."""
@@ -38,8 +42,26 @@ class Settings:
     markers_points: int
     markers_details: bool
 
+    @property
+    def cautions(self) -> Iterator[str]:
+        """What the streams usually measure, and which bones do not move, a line each."""
+        facts = self.articulations.facts
+        if 'skeleton' in facts:
+            if self.scale != '1':
+                yield f'scale {self.scale} is of the muscle; the skeleton stays as its URDF has it'
+            return
+        if self.convention.caution and 'rhythm' not in facts:
+            yield self.convention.caution
+        if held := facts.get('bones held at rest'):
+            last = self.solvers[0].bones[-1]
+            yield f'{held}: held at rest, only the {last} moves; a skeleton or a rhythm moves all'
+
     @staticmethod
-    def from_values(values: Mapping[str, Any], may_fail: Collection[str] = ()) -> Settings:
+    def from_values(
+        values: Mapping[str, Any],
+        may_fail: Collection[str] = (),
+        received: Received = NOTHING,
+    ) -> Settings:
         """Return the settings of a whole set of parameters.
 
         Parameters
@@ -48,6 +70,8 @@ class Settings:
             One for each parameter, by name.
         may_fail
             Muscles that are left out if they cannot be loaded, as long as another one is left.
+        received
+            What has come on topics.
 
         Raises
         ------
@@ -56,31 +80,64 @@ class Settings:
 
         """
         with refusals('parameters'):
-            return _build_settings(check_values(values), may_fail)
+            return _build_settings(check_values(values), may_fail, received)
 
 
-def _build_settings(checked: Mapping[str, Any], may_fail: Collection[str]) -> Settings:
-    convention = JOINT_CONVENTIONS[checked['joint_convention']]
+def _build_settings(
+    checked: Mapping[str, Any], may_fail: Collection[str], received: Received
+) -> Settings:
     muscles, left_out = load_muscles(list_muscles(checked['muscle']), checked['scale'], may_fail)
     solvers = tuple(LinkedPlaneSolver(muscle, checked['side']) for muscle in muscles)
-    for solver in solvers:
-        solver.answer(convention, STILL, STILL)  # compiled before it is needed
+    articulations = articulate(checked, solvers, received)
+    still = (0.0,) * len(articulations.coordinates)
+    for solver, moved_by in zip(solvers, articulations.moved_by, strict=False):
+        solver.answer(moved_by, still, still)  # compiled before it is needed
     return Settings(
         solvers=solvers,
         left_out=left_out,
         scale=checked['scale'],
-        convention=convention,
-        joints=JointMap(
-            tuple(checked['joint_names']) or convention.coordinates,
-            tuple(checked['joint_signs']),
-            tuple(checked['joint_offsets']),
-        ),
+        convention=JOINT_CONVENTIONS[checked['joint_convention']],
+        articulations=articulations,
+        joints=map_joints(checked, articulations),
         joint_timeout=checked['joint_timeout'],
         frame_id=checked['frame_id'],
         markers_enabled=checked['markers.enabled'],
         markers_rate=checked['markers.rate'],
         markers_points=checked['markers.points'],
         markers_details=checked['markers.details'],
+    )
+
+
+def map_joints(checked: Mapping[str, Any], moved: Articulations) -> JointMap:
+    """Return which joints are the coordinates, one sign and offset for each.
+
+    Raises
+    ------
+    LinkedPlaneError
+        For lists of another length; three signs or offsets that are the default suit any.
+
+    """
+    coordinates, d = moved.coordinates, len(moved.coordinates)
+    if moved.awaited and not d:
+        return JointMap((), (), ())
+    lists = []
+    for name, default in (('joint_names', []), ('joint_signs', ONES), ('joint_offsets', NONE)):
+        given = checked[name]
+        if len(given) != d and given != default:
+            raise LinkedPlaneError(
+                f'parameter {name}: {len(given)} given, {d} expected, one for each coordinate: '
+                f'{list_names(coordinates, most=d)}'
+            )
+        lists.append(given)
+    names, signs, offsets = lists
+    names = tuple(names) or coordinates
+    idle = (each for each, at in zip(names, coordinates, strict=True) if at in moved.idle)
+    return JointMap(
+        names,
+        tuple(signs) if len(signs) == d else (1.0,) * d,
+        tuple(offsets) if len(offsets) == d else (0.0,) * d,
+        moved.kinds,
+        frozenset(idle),
     )
 
 
@@ -112,12 +169,14 @@ def check_values(values: Mapping[str, Any]) -> dict[str, Any]:
         As `Settings.from_values`.
 
     """
-    checked: dict[str, Any] = {spec.name: spec.check(values[spec.name]) for spec in SPECS}
+    joints = None if values['skeleton'] else 3  # of a skeleton, how many says its URDF
+    checked: dict[str, Any] = {spec.name: spec.check(values[spec.name], joints) for spec in SPECS}
+    check_combination(checked)
     if any(abs(sign) != 1.0 for sign in checked['joint_signs']):
         raise LinkedPlaneError(
             f'parameter joint_signs: {checked["joint_signs"]} given, 1.0 or -1.0 expected'
         )
-    if any(abs(offset) > FULL_CIRCLE for offset in checked['joint_offsets']):
+    if joints and any(abs(offset) > FULL_CIRCLE for offset in checked['joint_offsets']):
         raise LinkedPlaneError(
             f'parameter joint_offsets: {describe_value(checked["joint_offsets"])} given, '
             'a full turn (2 pi rad) either way at most expected'

@@ -8,18 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..processing.topics import ANSWERS, MARKERS, Topic
+from ..processing.topics import ANSWERS, MARKERS, WRENCHES, Topic
 from ..recordings.bags.topics import JOINT_STATE
 
 NODE_NAME = 'muscle_state_publisher'
 JOINT_STATES = Topic(
     'joint_states',
     JOINT_STATE,
-    'The three **glenohumeral** angles, rad: humerus against scapula. Joints are found by name, in '
-    'any order, among any others; they may come in several messages, and the newest value of each '
-    'counts.',
+    'The three **glenohumeral** angles, rad: humerus against scapula (with a rhythm: against the '
+    'thorax), or the joints of a skeleton, rad or m. Joints are found by name, in any order, among '
+    'any others; they may come in several messages, and the newest value of each counts.',
     reliability='best_effort',  # takes what any publisher offers
     depth=100,
+)
+ROBOT_DESCRIPTION = Topic(
+    'robot_description',
+    'std_msgs/msg/String',
+    'Where the parameter `skeleton` is `robot_description`: the URDF, as robot_state_publisher '
+    'latches it. Another one is used from then on; one that cannot be used changes nothing.',
+    depth=1,
+    latched=True,
 )
 CLOCK = Topic(
     '/clock',
@@ -44,6 +52,8 @@ DIAGNOSTICS = Topic(
 )
 OUTPUTS = (*ANSWERS, MARKERS)
 """The topics of each muscle, under its name."""
+BONE_OUTPUTS = (WRENCHES,)
+"""Those of muscles of more than two bones, beside them."""
 
 
 def topic_rows(topics: Iterable[Topic], prefix: str = '') -> list[tuple[str, str, str, str]]:
@@ -67,7 +77,8 @@ def topic_rows(topics: Iterable[Topic], prefix: str = '') -> list[tuple[str, str
         (
             f'`{prefix}{topic.name}`',
             topic.type.replace('/msg/', '/'),
-            f'{topic.reliability.replace("_", " ")}, depth {topic.depth}',
+            f'{topic.reliability.replace("_", " ")}, depth {topic.depth}'
+            + ', transient local' * topic.latched,
             topic.meaning + ' Only while somebody subscribes.' * topic.on_demand,
         )
         for topic in topics

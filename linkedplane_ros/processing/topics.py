@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from ..recordings.bags.topics import JOINT_STATE
 
 BAND, COORDINATE, AXIS = 'band', 'coordinate', 'axis'
+BONE, COMPONENT = 'bone', 'component'
 FLOAT_ARRAY, UINT8_ARRAY = 'std_msgs/msg/Float64MultiArray', 'std_msgs/msg/UInt8MultiArray'
 
 
@@ -35,6 +36,8 @@ class Topic:
     """Messages in the queue: at 500 Hz, what a reader may lose in a heartbeat (3 s) comes again."""
     on_demand: bool = False
     """Whether the node publishes it only while somebody subscribes."""
+    latched: bool = False
+    """Whether the newest message is kept for subscribers that come later (transient local)."""
 
 
 ANSWERS = (
@@ -42,7 +45,9 @@ ANSWERS = (
     Topic(
         'moment_arms',
         FLOAT_ARRAY,
-        "(n, 3) moment arms, m, row-major, a column for each of the convention's coordinates. "
+        "(n, 3) moment arms, m, row-major, a column for each of the convention's coordinates, or "
+        '(n, d) for the joints of a skeleton; about an angle against the thorax they include what '
+        'the rhythm lets follow. '
         "**Positive: shortening turns the joint in the coordinate's positive direction** "
         "(r = -dL/dq, OpenSim's sign).",
         (BAND, COORDINATE),
@@ -65,19 +70,30 @@ ANSWERS = (
         'moment_vectors',
         FLOAT_ARRAY,
         '(n, 3) moment vectors, m, row-major: -dL/domega about the axes x, y, z of the scapula '
-        'frame. Moment arms that need no convention and have no singularity.',
+        "frame (of a muscle of several bones: the last bone's, about the ground). Moment arms that "
+        'need no convention and have no singularity.',
         (BAND, AXIS),
     ),
     Topic(
         'moment_arm_states',
         JOINT_STATE,
         'The moment arms as joints, for tools that plot by name. A name is a band and one of the '
-        "convention's coordinates, as in `anterior_1/flexion`, in the order of `moment_arms`; "
+        'coordinates, as in `anterior_1/flexion`, in the order of `moment_arms`; '
         'position = moment arm, m, of the same sign.',
         on_demand=True,
     ),
 )
 """One message on each, in this order, for every joint state that is used."""
+
+WRENCHES = Topic(
+    'wrenches',
+    FLOAT_ARRAY,
+    '(n, k, 6) what each band, at unit tension, does to each bone that moves, row-major: the '
+    "moment, m, and the force, 1, about the ground bone's origin and axes; of muscles of more than "
+    'two bones. Times how a joint moves the bones, they are its moment arms.',
+    (BAND, BONE, COMPONENT),
+    on_demand=True,
+)
 
 MARKERS = Topic(
     'markers',
@@ -90,9 +106,13 @@ MARKERS = Topic(
 )
 
 
-def dimension_names(bands: Sequence[str], coordinates: Sequence[str]) -> dict[str, Sequence[str]]:
-    """Return what each kind of dimension counts, by name."""
-    return {BAND: bands, COORDINATE: coordinates, AXIS: ('x', 'y', 'z')}
+def dimension_names(
+    bands: Sequence[str], coordinates: Sequence[str], bones: Sequence[str] = ()
+) -> dict[str, Sequence[str]]:
+    """Return what each kind of dimension counts, by name; `bones` are those that move."""
+    components = ('mx', 'my', 'mz', 'fx', 'fy', 'fz')
+    axes = ('x', 'y', 'z')
+    return {BAND: bands, COORDINATE: coordinates, AXIS: axes, BONE: bones, COMPONENT: components}
 
 
 def moment_arm_names(bands: Sequence[str], coordinates: Sequence[str]) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import RecordingError
-from ..types import Bools, Floats, Stamps
+from ..types import Bools, Floats, JointValues, Stamps
 from .units import AngleRange, AngleUnit
 
 LATEST = 2.0**31  # s: a stamp holds no more
@@ -127,9 +127,9 @@ class Frame(NamedTuple):
     """ns"""
     place: Place
     """The message that brought it."""
-    angles: tuple[float, ...]
+    angles: JointValues
     """(d) rad; of prismatic joints, m."""
-    speeds: tuple[float, ...] | None = None
+    speeds: JointValues | None = None
     """(d) rad/s or m/s; None where not known."""
     poses: Floats | None = None
     """(k, 3, 4) of the bones, where they were measured: the angles then follow from them."""

@@ -105,6 +105,45 @@ def solve_bone_poses(
 
 
 @entry
+def answer_bone_poses(
+    muscle: Muscle,
+    neutral: float,
+    poses: Any,
+    screws: Any,
+    speeds: Any,
+    mirror: float,
+    theta: Any,
+    lengths: Any,
+    filled: Any,
+    states: Any,
+    one_sided: Any,
+    wrenches: Any,
+    arms: Any,
+    lengthening: Any,
+) -> Outcome:
+    """Fill in all that the node answers to one pose (1, k, 3, 4) and its screws (1, d, k, 6).
+
+    The first arrays are those of `solve_bone_poses` at one pose; wrenches (n, k, 6) are of the side
+    whose AXIS_SIGN is mirror, arms (n, d) and lengthening (n,) the same on both.
+    """
+    done = solve_bone_poses(muscle, neutral, poses, 0, 1, theta, lengths, filled, states, one_sided)
+    for i in range(len(lengthening)):
+        lengthening[i] = 0.0
+        for j in range(len(speeds)):
+            arms[i, j] = 0.0
+        for k in range(len(poses[0])):
+            for c in range(6):
+                pull = filled[0, 2 * k + c // 3, 3 * i + c % 3]
+                # across the mirror: moments about y and z, forces along x
+                wrenches[i, k, c] = pull * mirror if 1 <= c <= 3 else pull
+                for j in range(len(speeds)):
+                    arms[i, j] += pull * screws[0, j, k, c]
+        for j in range(len(speeds)):
+            lengthening[i] -= arms[i, j] * speeds[j]
+    return done
+
+
+@entry
 def answer(
     muscle: Muscle,
     neutral: float,

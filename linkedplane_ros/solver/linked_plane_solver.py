@@ -10,6 +10,7 @@ the rotation of the right shoulder at the same anatomical angles.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -26,10 +27,15 @@ from ..types import Bools, Bytes, Floats
 from .batches import run_kernel
 from .faults import describe_pose_fault
 from .kernels import SOLVED, answer, draw_bone_poses, draw_poses, solve_poses
-from .over_bones import answer_over_bones, solve_last_bone, solve_over_bones
+from .over_bones import (
+    answer_batch_over_bones,
+    answer_over_bones,
+    solve_last_bone,
+    solve_over_bones,
+)
 from .packing import pack_broad_muscle
 from .poses import Pose, pack_pose_batch, pack_poses
-from .states import Answer, Answers, MuscleState, MuscleStates
+from .states import Answer, AnswerBatch, MuscleState, MuscleStates
 
 
 class LinkedPlaneSolver:
@@ -232,17 +238,16 @@ class LinkedPlaneSolver:
         if self._ball and isinstance(moved_by, JointConvention):
             return self._answer_ball_joint(moved_by, angles, speeds)
         check_articulation(moved_by)
-        values = as_values('angles', angles, moved_by)[np.newaxis]
-        rates = as_values('speeds', speeds, moved_by, '/s')[np.newaxis]
-        answers = answer_over_bones(self, moved_by, values, rates, '')
-        axes = None
+        values = as_values('angles', angles, moved_by)
+        rates = as_values('speeds', speeds, moved_by, '/s')
+        answer = answer_over_bones(self, moved_by, values, rates)
         if isinstance(moved_by, JointConvention):
-            axes = moved_by.axes(values[0], self.side)
-        return Answer(answers.states[0], answers.moment_arms[0], answers.lengthening[0], axes)
+            return replace(answer, axes=moved_by.axes(values, self.side))
+        return answer
 
     def answer_batch(
         self, moved_by: Articulation, angles: npt.ArrayLike, speeds: npt.ArrayLike
-    ) -> Answers:
+    ) -> AnswerBatch:
         """Return what `answer` does at many values.
 
         Parameters
@@ -254,7 +259,7 @@ class LinkedPlaneSolver:
 
         Returns
         -------
-        Answers
+        AnswerBatch
             The fields of an Answer with a leading m; to rounding the same.
 
         Raises
@@ -266,11 +271,11 @@ class LinkedPlaneSolver:
         check_articulation(moved_by)
         rates = np.asarray(speeds, dtype=np.float64)
         if not (self._ball and isinstance(moved_by, JointConvention)):
-            return answer_over_bones(self, moved_by, np.asarray(angles), rates, '[{}]')
+            return answer_batch_over_bones(self, moved_by, np.asarray(angles), rates)
         rotations, axes = moved_by.rotations_and_axes(angles, self.side)
         states = self.solve_batch(rotations)
         arms = states.moment_vectors @ axes
-        return Answers(states, arms, -np.einsum('knj,kj->kn', arms, rates))
+        return AnswerBatch(states, arms, -np.einsum('knj,kj->kn', arms, rates))
 
     def _answer_ball_joint(
         self, convention: JointConvention, angles: npt.ArrayLike, speeds: npt.ArrayLike

@@ -10,13 +10,13 @@ import numpy as np
 from ..errors import LinkedPlaneError
 from ..joints.articulation import Articulation, rotated_poses
 from ..joints.rotations import FAULTS, PROPER, matrix_rows, rotation_fault
-from ..joints.sides import mirror_axes, mirror_points, mirror_screws
+from ..joints.sides import AXIS_SIGN, mirror_axes, mirror_points, mirror_screws
 from ..types import Floats
 from .batches import run_kernel
 from .faults import describe_pose_fault
-from .kernels import NO_PLANE, SOLVED, solve_bone_poses
+from .kernels import NO_PLANE, SOLVED, answer_bone_poses, solve_bone_poses
 from .results import PosedBones
-from .states import Answers, MuscleStates
+from .states import Answer, AnswerBatch, MuscleState, MuscleStates
 
 if TYPE_CHECKING:
     from .linked_plane_solver import LinkedPlaneSolver
@@ -33,9 +33,7 @@ def solve_over_bones(solver: LinkedPlaneSolver, poses: Floats, index: str) -> Mu
     filling = theta, lengths, filled, wrap, one_sided
     j, fault, number = run_kernel(solve_bone_poses, given, poses, filling)
     if fault != SOLVED:
-        where = 'bones' if fault == NO_PLANE else solver.bones[number]
-        reason = describe_pose_fault(solver.muscle, fault, number)
-        raise LinkedPlaneError(f'{where}{index.format(j)}: {reason}')
+        raise LinkedPlaneError(describe_fault(solver, fault, number, index.format(j)))
     moments, forces = np.moveaxis(filled.reshape(m, k, 2, n, 3), 2, 0)
     if solver.side == 'left':
         moments, forces = mirror_axes(moments), mirror_points(forces)
@@ -43,6 +41,12 @@ def solve_over_bones(solver: LinkedPlaneSolver, poses: Floats, index: str) -> Mu
     vectors, rotations = wrenches[:, :, -1, :3].copy(), poses[:, -1, :, :3].copy()
     posed = PosedBones(poses, wrenches)
     return MuscleStates(theta, lengths, vectors, wrap, one_sided, rotations, solver, posed)
+
+
+def describe_fault(solver: LinkedPlaneSolver, fault: int, number: int, index: str) -> str:
+    """Return why a pose has no answer, from a kernel's outcome; `index` names the pose."""
+    where = 'bones' if fault == NO_PLANE else solver.bones[number]
+    return f'{where}{index}: {describe_pose_fault(solver.muscle, fault, number)}'
 
 
 def solve_last_bone(solver: LinkedPlaneSolver, rotations: Floats, name: str) -> MuscleStates:
@@ -55,17 +59,57 @@ def solve_last_bone(solver: LinkedPlaneSolver, rotations: Floats, name: str) -> 
 
 
 def answer_over_bones(
-    solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats, speeds: Floats, index: str
-) -> Answers:
+    solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats, speeds: Floats
+) -> Answer:
+    """Return `LinkedPlaneSolver.answer` at values (d,) of whatever moves the bones."""
+    poses, screws = moved_by.move_bones(values[np.newaxis], solver.bones, solver.side)
+    n, k = len(solver.muscle.band_names), len(solver.bones) - 1
+    theta, lengths, filled = np.empty(1), np.empty((1, n)), np.empty((1, 2 * k, 3 * n))
+    wrap, one_sided = np.empty((1, n), dtype=np.uint8), np.empty((1, n), dtype=bool)
+    wrenches, arms, lengthening = np.empty((n, k, 6)), np.empty((n, len(values))), np.empty(n)
+    _, fault, number = answer_bone_poses(
+        solver.flat_bones,
+        solver.neutral,
+        poses,
+        screws,
+        speeds,
+        AXIS_SIGN[solver.side],
+        theta,
+        lengths,
+        filled,
+        wrap,
+        one_sided,
+        wrenches,
+        arms,
+        lengthening,
+    )
+    if fault != SOLVED:
+        raise LinkedPlaneError(describe_fault(solver, fault, number, ''))
+    state = MuscleState(
+        theta.item(),
+        lengths[0],
+        wrenches[:, -1, :3].copy(),
+        wrap[0],
+        one_sided[0],
+        poses[0, -1, :, :3].copy(),
+        solver,
+        PosedBones(poses[0], wrenches),
+    )
+    return Answer(state, arms, lengthening)
+
+
+def answer_batch_over_bones(
+    solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats, speeds: Floats
+) -> AnswerBatch:
     """Return `LinkedPlaneSolver.answer_batch` at values (m, d) of whatever moves the bones.
 
     Moment arms are r = -dL/dq: what the bands do to each bone, times how it moves with q. They are
     the same on both sides, so screws stay in right-shoulder form.
     """
     poses, screws = moved_by.move_bones(values, solver.bones, solver.side)
-    states = solve_over_bones(solver, poses, index)
+    states = solve_over_bones(solver, poses, '[{}]')
     wrenches = states.wrenches
     if solver.side == 'left':
         wrenches = mirror_screws(wrenches)
     arms = np.einsum('mnkc,mdkc->mnd', wrenches, screws)
-    return Answers(states, arms, -np.einsum('mnd,md->mn', arms, speeds))
+    return AnswerBatch(states, arms, -np.einsum('mnd,md->mn', arms, speeds))

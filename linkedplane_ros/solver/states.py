@@ -244,7 +244,7 @@ class Answer(Result):
 
 
 @dataclass(frozen=True, eq=False)
-class Answers(Result):
+class AnswerBatch(Result):
     """The muscle at m values and speeds of d coordinates."""
 
     states: MuscleStates

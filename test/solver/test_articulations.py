@@ -100,8 +100,8 @@ def test_a_batch_answers_as_one_after_the_other(
     for i, each in enumerate(values):
         alone = solver.answer(moved_by, each, 0.5 * each)
         assert batch.states[i] == alone.state
-        np.testing.assert_allclose(batch.moment_arms[i], alone.moment_arms, rtol=0, atol=1e-16)
-        np.testing.assert_allclose(batch.lengthening[i], alone.lengthening, rtol=0, atol=1e-15)
+        np.testing.assert_allclose(batch.moment_arms[i], alone.moment_arms, rtol=0, atol=1e-15)
+        np.testing.assert_allclose(batch.lengthening[i], alone.lengthening, rtol=0, atol=1e-14)
     none = solver.answer_batch(moved_by, values[:0], values[:0])
     assert none.moment_arms.shape == (0, 9, len(q))
 

@@ -70,7 +70,8 @@ def check_parameters(values: Mapping[str, str]) -> dict[str, Value]:
     for spec in PARAMETERS:
         text = values.get(spec.name, '')
         if text:
-            value = spec.check(parse_argument(spec.name, text))
+            joints = None if values.get('skeleton') else 3
+            value = spec.check(parse_argument(spec.name, text), joints)
             checked[spec.name] = spec.default if value == [] else value
     return checked
 

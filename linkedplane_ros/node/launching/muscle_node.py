@@ -18,8 +18,8 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from launch import LaunchContext
 
 from ...errors import LinkedPlaneError
-from ...joints.conventions import JOINT_CONVENTIONS
 from ...muscle.broad_muscle import BroadMuscle
+from ..articulations import list_coordinates
 from ..parameters import Value
 from ..settings import check_values, list_muscles, load_muscles
 from ..topics import JOINT_STATES, NODE_NAME
@@ -119,10 +119,9 @@ class MuscleNode:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints that the node takes."""
+        """The joints that the node takes; none where they come with a URDF on a topic."""
         checked = check_values(self.parameters)
-        convention = JOINT_CONVENTIONS[checked['joint_convention']]
-        return tuple(checked['joint_names']) or convention.coordinates
+        return tuple(checked['joint_names']) or list_coordinates(checked)
 
     @property
     def marker_topic(self) -> str:
