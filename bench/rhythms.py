@@ -113,8 +113,8 @@ class Comparison:
         """Return the row of what poses the girdle in place of the truth."""
         true, other = self.poses['scapula'][0], poses['scapula'][0]
         cosine = (np.einsum('mij,mij->m', true, other) - 1.0) / 2.0
-        off = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))).mean()
-        cells = [f'{off:.1f}']
+        off = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        cells = [f'{off.mean():.1f} / {off.max():.1f}']
         answers = self.solve_held(poses), self.solve_moving(poses, clavicle)
         for answer, truth in zip(answers, self.truth, strict=True):
             for made, meant in zip(answer, truth, strict=True):
