@@ -8,17 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import thoracoscapular as tsm
-from girdle_recordings import RECORDINGS, girdle_poses
+from girdle_recordings import RECORDINGS, THORACIC, angles_from_poses, girdle_poses
 from optional import requires
 from random_urdfs import joint, link, robot
 
 from linkedplane_ros import JOINT_CONVENTIONS, Skeleton
 from linkedplane_ros.types import Floats
 
-THORACIC = ('thorax', 'clavicle', 'scapula', 'humerus')
 X, Y, Z = np.eye(3)
-# the turns at rest, rad, from the file's head
-REST = np.radians([-29.9, 8.9, 0.0, 67.1, -4.7, 0.1])
 
 
 @pytest.fixture
@@ -30,23 +27,6 @@ def girdle() -> Skeleton:
 def against_thorax(girdle: Skeleton) -> Skeleton:
     """Return the girdle seen from the thorax, its bones in the frames of their links."""
     return Skeleton(girdle.tree, THORACIC, THORACIC)
-
-
-def angles_zyx(rotation: Floats) -> Floats:
-    """Return the angles (a, b, c) of R(z, a) R(-y, b) R(x, c)."""
-    return np.array([
-        np.arctan2(rotation[1, 0], rotation[0, 0]),
-        np.arcsin(rotation[2, 0]),
-        np.arctan2(rotation[2, 1], rotation[2, 2]),
-    ])  # fmt: skip
-
-
-def angles_from_poses(pose: dict[str, tuple[Floats, Floats]]) -> Floats:
-    """Return the girdle's nine coordinates from the orientations of its bones in the thorax."""
-    clavicle, scapula, humerus = (pose[bone][0] for bone in THORACIC[1:])
-    sc, ac = angles_zyx(clavicle), angles_zyx(clavicle.T @ scapula)
-    gh = JOINT_CONVENTIONS['isb_yxy'].angles(scapula.T @ humerus)
-    return np.concatenate([np.concatenate([sc, ac]) - REST, gh])
 
 
 def test_the_girdle_has_nine_hinges_and_the_deltoid_s_bones(girdle: Skeleton) -> None:
