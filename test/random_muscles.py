@@ -125,6 +125,39 @@ def wild_muscle(seed: int, poses: int) -> tuple[BroadMuscle, Array]:
     return fixed, Rotation.from_rotvec(angles).as_matrix()
 
 
+def absurd_muscle(seed: int, poses: int) -> tuple[BroadMuscle, Array]:
+    """Return a muscle of any size up to 10 m, whose planes' normals shrink to rounding, and poses.
+
+    Each line is nearly at right angles to the one before, so that its plane nearly loses the
+    direction that it would take over; and spheres are up to a thousand times as large as needed.
+    """
+    rng = np.random.default_rng((seed, 2))
+    n = int(rng.integers(2, 6))
+    size = 10.0 ** rng.uniform(-4.0, 0.9)
+    lines = np.eye(3)[np.arange(n) % 3]
+    lines = lines + 10.0 ** rng.uniform(-9.0, -1.0, (n, 1)) * rng.normal(size=(n, 3))
+    lines *= size * 10.0 ** rng.uniform(-4.0, 0.0, (n, 1))
+    long = np.linalg.norm(lines, axis=1)[:, np.newaxis]
+    origins = rng.uniform(-1.0, 1.0, (n, 3)) * size
+    across = rng.normal(size=(n, 3)) * long * 10.0 ** rng.uniform(-4.0, 0.0, (n, 1))
+    centres = origins + lines * rng.uniform(-0.2, 1.2, (n, 1)) + across
+    radii = np.linalg.norm(across, axis=1) * 10.0 ** rng.uniform(-1.0, 3.0, n)
+    muscle = replace(
+        DELTOID,
+        band_names=tuple(f'band_{i}' for i in range(n)),
+        heads=(),
+        sphere_frame='ground',
+        origins=origins,
+        insertions=origins + lines,
+        sphere_centres=centres,
+        sphere_radii=np.minimum(radii, 9.9),
+        plane_angles=np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-np.pi, np.pi, n)),
+        reference_normal=rng.normal(size=3),
+    )
+    turns = rng.normal(size=(poses, 3)) * 10.0 ** rng.uniform(-17.0, -1.0, (poses, 1))
+    return muscle, Rotation.from_rotvec(turns).as_matrix()
+
+
 def length_bounds(muscle: BroadMuscle, rotations: Array) -> tuple[Array, Array]:
     """Return the straight lines' lengths (m, n), and the tangents' with a whole turn round."""
     ends = np.einsum('mij,nj->mni', rotations, muscle.insertions)

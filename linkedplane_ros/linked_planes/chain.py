@@ -37,6 +37,7 @@ from .layout import (
 from .vectors import ZERO, Rotation, Vector, blend, cross, dot, minus, mix, norm, times, turned
 
 ROUNDING = 1e-12  # of a radius: how well the numbers of a pose tell where an edge is
+CANCELLED = 1e-4  # of |A|^2 + |B|^2: a smaller normal, squared, has lost digits in their sum
 VANISHING = 1e-14  # of |A|^2 + |B|^2: a smaller normal, squared, has no direction
 
 
@@ -48,6 +49,7 @@ class Section(NamedTuple):
     tP: float  # tangent lengths from P and S to the sphere
     tS: float
     R: float  # the sphere's radius
+    rho2: float  # the squared distance of its centre from the line, m^2
     dA: float  # p.A, p.B: the centre's distance from the plane, times |A cos + B sin|
     dB: float
     bA: float  # (p x u).A, (p x u).B: the same for its offset b towards the bulge
@@ -151,7 +153,7 @@ def bands_at(muscle: Muscle, rotation: Rotation) -> list[Band]:
             A, B = times(1.0 / sqrt(size2), A), times(1.0 / sqrt(size2), B)
             AA, BB = AA / size2, BB / size2
         section = Section(
-            D, a, tP, tS, R, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
+            D, a, tP, tS, R, rho2, dot(p, A), dot(p, B), dot(pu, A), dot(pu, B),
             AA, dot(A, B), BB, dot(cross(A, B), u), kind,
         )  # fmt: skip
         from_bone, to_bone = band_bones(muscle, i)
@@ -167,19 +169,23 @@ def plane_at(section: Section, c: float, s: float) -> tuple[float, float, float,
     d is the distance of the sphere's centre from the plane, b that centre's offset towards the
     bulge (m); J = dpsi/dtheta and dJ = d2psi/dtheta2, psi the plane's turn about the band's line.
     """
-    _, _, _, _, _, dA, dB, bA, bB, AA, AB, BB, kappa, _ = section
-    k2 = 1.0 / max(AA * c * c + 2.0 * AB * c * s + BB * s * s, 1e-300)
+    _, a, _, _, _, rho2, dA, dB, bA, bB, AA, AB, BB, kappa, _ = section
+    d, b = dA * c + dB * s, bA * c + bB * s
+    size2 = AA * c * c + 2.0 * AB * c * s + BB * s * s
+    if size2 < CANCELLED * (AA + BB) and rho2 > VANISHING * a * a:
+        size2 = (d * d + b * b) / rho2  # the centre keeps its distance from the line
+    k2 = 1.0 / max(size2, 1e-300)
     k = sqrt(k2)
     J = kappa * k2
     dJ = -2.0 * J * k2 * ((BB - AA) * c * s + AB * (c * c - s * s))
-    return k * (dA * c + dB * s), k * (bA * c + bB * s), J, dJ
+    return k * d, k * b, J, dJ
 
 
 @compiled
 def planes_exist(bands: list[Band], c: float, s: float) -> bool:
     """Return whether every plane's normal has a direction at theta, given its cosine and sine."""
     for i in range(len(bands)):
-        _, _, _, _, _, _, _, _, _, AA, AB, BB, _, _ = bands[i].section
+        _, _, _, _, _, _, _, _, _, _, AA, AB, BB, _, _ = bands[i].section
         if AA * c * c + 2.0 * AB * c * s + BB * s * s < VANISHING * (AA + BB):
             return False
     return True

@@ -214,6 +214,8 @@ def rule_out(
         if width * turn <= 3.0 * EDGE:
             continue
         middle = 0.5 * (low.theta + high.theta)
+        if not low.theta < middle < high.theta:  # a plane that turns by 3 EDGE between two numbers
+            continue
         whole = True
         for theta in breaks:
             for each in (theta, theta + 2.0 * pi):

@@ -1,11 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Theta at the edge of a sphere: what its derivative is, and where it has only a one-sided one."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from random_muscles import length_bounds, random_muscle, random_muscle_in_frames, wild_muscle
+from random_muscles import (
+    absurd_muscle,
+    length_bounds,
+    random_muscle,
+    random_muscle_in_frames,
+    wild_muscle,
+)
 from reference import Array
 from scipy.spatial.transform import Rotation
 
@@ -144,3 +154,40 @@ def test_wild_muscles_have_real_lengths_and_finite_moments(part: int) -> None:
         assert np.isfinite(states.moment_vectors).all()
         assert np.isfinite(states.theta).all()
     assert solved >= 150
+
+
+ABSURD = (*range(120, 200), 956, 2303)  # of the last two, a plane turns by 1e-9 rad per number
+
+
+def absurd_totals(seeds: tuple[int, ...]) -> Array:
+    """Return the total length, m, of each pose of absurd muscles, in one row."""
+    solved = [
+        LinkedPlaneSolver(muscle).solve_batch(rotations)
+        for muscle, rotations in (absurd_muscle(seed, 5) for seed in seeds)
+    ]
+    return np.concatenate([states.total_length for states in solved])
+
+
+def test_absurd_muscles_have_real_lengths_and_finite_moments() -> None:
+    for seed in ABSURD:
+        muscle, rotations = absurd_muscle(seed, 20)
+        states = LinkedPlaneSolver(muscle).solve_batch(rotations)
+        lines = np.linalg.norm(states.insertions - states.origins, axis=2)
+        _, longest = length_bounds(muscle, rotations)
+        assert (states.lengths >= lines * (1.0 - 1e-12)).all(), seed
+        assert (states.lengths <= longest * (1.0 + 1e-12)).all(), seed
+        assert np.isfinite(states.moment_vectors).all()
+        assert np.isfinite(states.theta).all()
+
+
+def test_absurd_muscles_are_as_short_uncompiled(tmp_path: Path) -> None:
+    code = (
+        'import numpy, test_edges\n'
+        f'numpy.save({str(tmp_path / "totals.npy")!r}, test_edges.absurd_totals({ABSURD[-22:]}))\n'
+    )
+    paths = os.pathsep.join(str(Path(__file__).parents[k]) for k in range(2))
+    environment = {**os.environ, 'LINKEDPLANE_COMPILE': '0', 'PYTHONPATH': paths}
+    subprocess.run([sys.executable, '-c', code], env=environment, check=True)
+    # relative: theta's own rounding turns such a plane by up to 1e-8 rad
+    totals = absurd_totals(ABSURD[-22:])
+    np.testing.assert_allclose(np.load(tmp_path / 'totals.npy'), totals, rtol=1e-6)
