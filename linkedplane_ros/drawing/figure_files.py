@@ -6,6 +6,7 @@ matplotlib is loaded when a figure is made; no window is opened and no global se
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,13 +36,28 @@ STYLE: dict[Any, Any] = {
 
 
 def import_matplotlib() -> Any:
-    """Return matplotlib; RecordingError if it is not there."""
+    """Return matplotlib; RecordingError if it is not there.
+
+    Where it can keep its settings and fonts in a temporary folder only, it logs lines of its own:
+    they are no concern of who asks for a picture.
+    """
+    logger = logging.getLogger('matplotlib')
+    level = logger.level
+    logger.setLevel(logging.ERROR)
     try:
         import matplotlib
+        import matplotlib.font_manager  # both look for their folder, and neither does so again
     except ImportError:
         raise RecordingError(
             f'a picture needs the matplotlib library: {advise_install("matplotlib")}'
         ) from None
+    except OSError as error:
+        raise RecordingError(
+            f'a picture needs a folder that can be written ({error.strerror or error}): set '
+            'MPLCONFIGDIR to one, or TMPDIR'
+        ) from None
+    finally:
+        logger.setLevel(level)
     return matplotlib
 
 

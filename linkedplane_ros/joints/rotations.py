@@ -41,8 +41,10 @@ def rotation_fault(rotation: Rotation) -> int:
     """Return what keeps a matrix, by its rows, from being a proper rotation, or PROPER."""
     x, y, z = rotation
     size = dot(x, x) + dot(y, y) + dot(z, z)
-    if not isfinite(size):
-        return NOT_FINITE
+    if not isfinite(size):  # or the square of a finite number is not
+        nothing = (0.0, 0.0, 0.0)
+        left = dot(nothing, x) + dot(nothing, y) + dot(nothing, z)  # 0, or NaN
+        return NOT_ORTHONORMAL if left == 0.0 else NOT_FINITE
     off = max(abs(dot(x, x) - 1.0), abs(dot(y, y) - 1.0), abs(dot(z, z) - 1.0))
     off = max(off, abs(dot(x, y)), abs(dot(y, z)), abs(dot(z, x)))
     if off > ORTHONORMAL:

@@ -14,7 +14,7 @@ from typing import Any
 from .bones import BALL_JOINT, GROUND_FRAME, MOST_BONES, MOVING_FRAME
 from .keys import ANGLE, FORMAT, KEYS, LENGTH, VERSIONS, Key, keys_below
 from .parts import METRES, RADIANS
-from .validity import BAND_NAME, JOINT_CENTRE, LIMIT, NAME
+from .validity import BAND_NAME, JOINT_CENTRE, LEAST_RADIUS, LIMIT, NAME
 
 FINITE = sys.float_info.max
 FILE = Path(__file__).parents[1] / 'models' / 'broad_muscle.schema.json'
@@ -168,14 +168,15 @@ def define_limits() -> dict[str, Any]:
         for key in KEYS:
             for unit, size in units.items() if key.unit == unit_key else ():
                 high = LIMIT / size
-                limits = limit_type(key.type, 0.0 if key.positive else -high, high)
+                least = {'minimum': LEAST_RADIUS / size} if key.positive else {}
+                limits = limit_type(key.type, least or {'exclusiveMinimum': -high}, high)
                 definitions[f'{name_limit(key.type, key.positive)}_{unit}'] = limits
     return definitions
 
 
-def limit_type(kind: str, low: float, high: float) -> dict[str, Any]:
-    """Return the schema that keeps the numbers of one of TYPES above low and below high."""
-    number = {'exclusiveMinimum': low, 'exclusiveMaximum': high}
+def limit_type(kind: str, least: dict[str, float], high: float) -> dict[str, Any]:
+    """Return the schema that limits the numbers of one of TYPES: by `least`, and below high."""
+    number = {**least, 'exclusiveMaximum': high}
     quantity = {
         **number,
         'properties': {'list': {'items': number}},

@@ -24,6 +24,7 @@ SHORTEST = 1e-9  # m, m^2: below, a line or a plane has no direction
 LIMIT = (
     10.0  # m, rad: no animal has longer muscles, no angle needs two turns; beyond, a unit is wrong
 )
+LEAST_RADIUS = 1e-6  # m: less is a point, or vanishes where it is squared; a unit is wrong
 PARALLEL = 1e-6  # sine of the smallest angle between a reference normal and the first band
 UNPRINTABLE = (  # of Unicode's basic plane, as JSON Schema's regular expressions have it
     r'\x00-\x1f\x7f-\xa0\xad\u1680\u180e\u2000-\u200f\u2028-\u202f\u205f-\u206f\u3000'
@@ -188,11 +189,13 @@ def check_geometry(muscle: BroadMuscle) -> None:
 
 
 def check_radii(field: str, radii: Floats, owners: Sequence[str]) -> None:
-    """Refuse radii (k,), m, that are not above zero; each has an owner."""
-    wrong = np.flatnonzero(radii <= 0.0)
+    """Refuse radii (k,), m, that are not above zero, or next to nothing; each has an owner."""
+    wrong = np.flatnonzero(radii < LEAST_RADIUS)
     if wrong.size:
-        reason = f'{radii[wrong[0]]:.6g} m for {owners[wrong[0]]}, a radius > 0 expected'
-        raise FieldError(field, reason)
+        radius = radii[wrong[0]]
+        least = f'of at least {LEAST_RADIUS:g} m expected; another unit?'
+        reason = f'a radius {"> 0 expected" if radius <= 0.0 else least}'
+        raise FieldError(field, f'{radius:.6g} m for {owners[wrong[0]]}, {reason}')
 
 
 def check_moving_frames(muscle: BroadMuscle, across: Floats) -> None:

@@ -17,7 +17,8 @@ from ..linked_planes.least_length import solve_theta
 from ..linked_planes.moment_vectors import muscle_state
 from ..linked_planes.vectors import Rotation, cross, mix, norm, plus, times
 
-SOLVED, NO_PLANE = PROPER, 4  # beside the faults of rotations
+SOLVED, NO_PLANE, TOO_FAR = PROPER, 4, 5  # beside the faults of rotations
+FARTHEST = 1e3  # m that a bone may be shifted: beyond, lengths lose their micrometres
 
 Outcome = tuple[int, int, int]
 """Of a kernel over poses: the first that has no answer, why, and which band is at fault; or where
@@ -87,6 +88,8 @@ def solve_bone_poses(
             fault = rotation_fault(rotation)
             if fault == PROPER and not (isfinite(x) and isfinite(y) and isfinite(z)):
                 fault = NOT_FINITE
+            elif fault == PROPER and not max(abs(x), abs(y), abs(z)) < FARTHEST:
+                fault = TOO_FAR
             if fault != PROPER:
                 return j, fault, bone
         placed = place_muscle(muscle, poses[j])

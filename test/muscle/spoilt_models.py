@@ -108,6 +108,7 @@ WRONG: list[tuple[str, Any, str]] = [
     ('sphere.radius', [-1.0], 'a radius > 0 expected'),
     ('sphere.radius', [1.0, -0.5], 'a radius > 0 expected'),
     ('sphere.radius', [0.0], 'a radius > 0 expected'),
+    ('sphere.radius', [9e-7], 'a radius of at least 1e-06 m expected'),
     ('sphere.ground_point', [1.0, 2.0], '3 numbers expected'),
     ('sphere.humeral_point', [1.0, 2.0, 3.0, 4.0], '3 numbers expected'),
     ('reference_normal', [0.0, 0.0, 0.0], 'zero'),

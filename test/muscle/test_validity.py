@@ -71,6 +71,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({'sphere_frame': ['ground'] * 8 + ['sky']}, 'sphere_frame[8]: ', "'sky' given, one of mov"),
     ({'sphere_radii': -DELTOID.sphere_radii}, 'sphere_radii: ', 'm for band anterior_1, a radius'),
     (spoilt('sphere_radii', 4, 0.0), 'sphere_radii: ', '0 m for band middle_2, a radius > 0'),
+    (spoilt('sphere_radii', 4, 9e-7), 'sphere_radii: ', 'middle_2, a radius of at least 1e-06 m'),
     (spoilt('sphere_radii', 4, np.nan), 'sphere_radii: ', 'nan given at [4], a finite number'),
     ({'sphere_radii': [10**400] * 9}, 'sphere_radii: ', 'finite numbers of shape (9,) expected'),
     ({'ground_point': None}, 'ground_point: ', 'None given, finite numbers of shape (3,)'),

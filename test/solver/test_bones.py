@@ -345,6 +345,9 @@ REFUSED: list[tuple[Any, str]] = [
     ({'humerus': (-EYE, ZERO)}, 'humerus: its determinant is -1, a reflection'),
     ({'humerus': (np.nan * EYE, ZERO)}, 'humerus: a value is not finite'),
     ({'clavicle': (EYE, [0, np.inf, 0])}, 'clavicle: a value is not finite'),
+    ({'humerus': (1e300 * EYE, ZERO)}, 'humerus: R^T R is not the identity'),
+    ({'clavicle': (EYE, [0, -1e300, 0])}, 'clavicle: its shift is beyond 1000 m'),
+    ({'humerus': (EYE, [1e3, 0, 0])}, 'humerus: its shift is beyond 1000 m'),
 ]  # fmt: skip
 
 

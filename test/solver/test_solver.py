@@ -123,6 +123,7 @@ QUARTER = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
         ([[1.0], [1.0, 2.0]], r'\(3, 3\).* expected'),
         (np.diag([1.0, np.nan, 1.0]), 'not finite; .*finite numbers expected'),
         (np.diag([1.0, np.inf, 1.0]), 'not finite; .*finite numbers expected'),
+        (np.eye(3) * 1e300, r'R\^T R is not the identity .*a rotation expected'),
         (np.diag([-1.0, 1.0, 1.0]), 'determinant .* a proper rotation expected'),
         (1.001 * np.eye(3), 'a rotation( matrix)? expected'),
         (np.zeros((3, 3)), 'a rotation( matrix)? expected'),
