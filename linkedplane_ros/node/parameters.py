@@ -171,7 +171,8 @@ SPECS = (
         'bone_links',
         [''],
         "With a skeleton: the links of the muscle's bones that are not named as the bones, a list "
-        'of `BONE:=LINK`.',
+        "of `BONE:=LINK`; `LINK@X,Y,Z,ROLL,PITCH,YAW` (m, rad) where the bone's frame is not the "
+        "link's.",
     ),
     ParameterSpec(
         'rhythm',
