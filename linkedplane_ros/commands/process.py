@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add('--force', action='store_true', help='replace an output that exists')
     # fmt: on
     _add_angles(parser.add_argument_group('where the angles come from'))
+    _add_poses(parser.add_argument_group('poses of bones instead of angles'))
     _add_motion(parser.add_argument_group('what is done to the motion'))
     _add_output(parser.add_argument_group('the muscle and the output'))
     _add_work(parser.add_argument_group('how the work is shared'))
@@ -69,20 +70,45 @@ def _add_angles(angles: argparse._ArgumentGroup) -> None:
         '(default: time, t, timestamp, Time (Seconds), __time, ...)')
     add('--topic', metavar='NAME',
         help='the topic of joint states in a bag (default: /joint_states, or the only one)')
-    add('--humerus', metavar='NAME',
-        help='take the angles from poses: a topic, or a frame in /tf')
-    base = angles.add_mutually_exclusive_group()
-    base.add_argument('--scapula', metavar='NAME', help='what the humerus is measured against')
-    base.add_argument('--thorax', metavar='NAME',
-                      help='the same, where the scapula follows by a rhythm (--rhythm)')
+    add('--skeleton', metavar='NAME',
+        help="the bones move by a skeleton's joints: shoulder_girdle, hip, or a .urdf file; "
+        'moment arms are about its joints (default: a ball joint)')
+    add('--joint-names', nargs='+', metavar='JOINT:=NAME',
+        help='the joints of the --skeleton that are recorded under other names')
     add('--rhythm', metavar='NAME',
-        help='how it follows, with --thorax: constant_ratio, de_groot_brand_2001, mobl, '
-        'or a number, the ratio of glenohumeral to scapulothoracic elevation (default: 2)')
+        help='the angles are against the thorax, and the scapula follows the humerus: '
+        'constant_ratio, de_groot_brand_2001, mobl, '
+        'or a number, the ratio of glenohumeral to scapulothoracic elevation '
+        '(default: with --thorax and no --scapula 2, else none)')
     add('--rest', nargs='+', type=number_or_still, metavar='RAD',
         help='where the rhythm starts from: the scapula with the arm hanging, protraction, lateral '
         "rotation, tilt, rad, and, if known, the humerus' plane of elevation and elevation there; "
         'still, after the three or alone: the humerus as in the first second in which it hangs '
         "still (default: the thorax's axes for a ratio, else the angles of an average subject)")
+    # fmt: on
+
+
+def _add_poses(poses: argparse._ArgumentGroup) -> None:
+    # fmt: off
+    add = poses.add_argument
+    add('--humerus', metavar='NAME',
+        help='take the motion from poses: a topic, or a frame in /tf')
+    add('--scapula', metavar='NAME', help='what the humerus is measured against')
+    add('--clavicle', metavar='NAME', help='the same of the clavicle, for a muscle that has one')
+    add('--thorax', metavar='NAME',
+        help='without --scapula, what the humerus is measured against: the scapula follows by a '
+        'rhythm (--rhythm); with it, the base of a --skeleton that has a thorax')
+    add('--input', choices=('joint_states', 'tf'),
+        help="tf: the frames in /tf of all bones of the muscle, by the bones' names or --bone-links"
+        ' (default: tf where frames are named, else joint_states)')
+    add('--bone-links', nargs='+', metavar='BONE:=LINK',
+        help='the links of the --skeleton, or the frames of --input tf, that are not named as the '
+        'bones')
+    add('--rest-frames', nargs='+', metavar='[BONE:=]WHERE',
+        help="where the bones' frames stand at the muscle's rest: coincide (with the ground's), "
+        "first (as in the first frame), X,Y,Z,ROLL,PITCH,YAW in the ground bone's frame (m, rad), "
+        'or as the links of a skeleton at 0 (default: those of --skeleton; without, coincide, '
+        'unless one begins more than 50 mm away: first, with a warning)')
     add('--frame-axes', choices=('model', 'isb'),
         help='axes of the frames. model: x to the right, y anterior, z superior; '
         'isb: x anterior, y superior, z to the right (default: model)')
@@ -130,13 +156,15 @@ def run(args: argparse.Namespace) -> None:
     from ..processing.inputs import build_tasks, find_recordings, is_single
     from ..processing.options import Options
     from ..processing.workers import run_tasks
+    from ..skeleton.rhythms import rhythm_from
 
     options = Options(**{field.name: getattr(args, field.name) for field in fields(Options)})
-    if options.bones is not None and options.thorax is not None:
-        print('angles against the thorax: the scapula follows the humerus by '
-              f'{options.bones.rhythm} (--rhythm), an assumption')  # fmt: skip
+    if options.follows:
+        rhythm = rhythm_from(options.rhythm or 'constant_ratio')
+        print(f'angles against the thorax: the scapula follows the humerus by {rhythm} '
+              '(--rhythm), an assumption')  # fmt: skip
     caution = JOINT_CONVENTIONS[options.convention].caution
-    if options.bones is None and caution:
+    if caution and not (options.has_poses or options.follows or options.skeleton):
         print(f'linkedplane: {caution}', file=sys.stderr)
     out = Path(args.out)
     sources, faults = find_recordings(args.inputs)

@@ -137,7 +137,7 @@ def _figure(processed: ProcessedRecording, x: Floats, label: str, crowded: bool)
 
 
 def _page(processed: ProcessedRecording, label: str) -> tuple[Figure, npt.NDArray[Any]]:
-    """Return a figure with its text, and its empty panels (5, number of heads)."""
+    """Return a figure with its text, and its empty panels (2 + d, number of heads)."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
@@ -145,24 +145,26 @@ def _page(processed: ProcessedRecording, label: str) -> tuple[Figure, npt.NDArra
     gaps = GAP * (columns - 1)
     width = LEFT + max(WIDTH * columns + gaps, LEAST) + RIGHT
     title, caption = _lines(processed.title, width, 8.0), _lines(CAPTION, width, 6.0)
-    heights = [HEIGHT] * 4 + [LANE * max(most, 2)]
+    heights = [HEIGHT] * (1 + len(processed.coordinates)) + [LANE * max(most, 2)]
     head, foot = HEAD + LINE * (len(title) + 1 + most), FOOT + LINE * len(caption)
-    height = head + sum(heights) + 4 * GAP + foot
+    height = head + sum(heights) + (len(heights) - 1) * GAP + foot
     figure = Figure(figsize=(width, height))
     grid = {
         'left': LEFT / width,
         'right': 1.0 - RIGHT / width,
         'top': 1.0 - head / height,
         'bottom': foot / height,
-        'hspace': 5 * GAP / sum(heights),
+        'hspace': len(heights) * GAP / sum(heights),
         'wspace': columns * GAP / (width - LEFT - RIGHT - gaps),
         'height_ratios': heights,
     }
-    panels = figure.subplots(5, columns, sharex=True, sharey='row', squeeze=False, gridspec_kw=grid)
+    panels = figure.subplots(
+        len(heights), columns, sharex=True, sharey='row', squeeze=False, gridspec_kw=grid
+    )
     for axes in panels.flat:
         axes.xaxis.set_major_locator(MaxNLocator(5))
         axes.yaxis.set_major_locator(MaxNLocator(5))
-    for axes in panels[1:4].flat:
+    for axes in panels[1:-1].flat:
         axes.axhline(0.0, color='0.6', linewidth=0.5, zorder=0.5)
     for axes in panels[-1]:
         axes.set(xlabel=label, yticks=[], ylim=(max(most, 2), 0.0))

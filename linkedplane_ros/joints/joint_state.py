@@ -131,6 +131,17 @@ class JointMap:
         return tuple(name for name in self.names if name not in self.idle)
 
     @cached_property
+    def sliding(self) -> frozenset[str]:
+        """The prismatic joints, whose positions are m."""
+        kinds = zip(self.names, self.kinds, strict=True) if self.kinds else ()
+        return frozenset(name for name, kind in kinds if kind == PRISMATIC)
+
+    @cached_property
+    def turning(self) -> tuple[str, ...]:
+        """The joints that are read and turn by less than a circle."""
+        return tuple(name for name in self.needed if name not in self.most)
+
+    @cached_property
     def most(self) -> dict[str, float]:
         """The largest position of each joint that is not revolute, rad or m."""
         kinds = zip(self.names, self.kinds, strict=True) if self.kinds else ()
@@ -142,16 +153,22 @@ class JointMap:
         names = json.loads(facts['joints'])
         signs = map(float, facts['joint_signs'].split())
         offsets = map(float, facts['joint_offsets_rad'].split())
-        return JointMap(tuple(names), tuple(signs), tuple(offsets))
+        kinds = facts.get('joint_kinds', '').split()
+        idle = json.loads(facts.get('joints_not_read', '[]'))
+        return JointMap(tuple(names), tuple(signs), tuple(offsets), tuple(kinds), frozenset(idle))
 
     @property
     def facts(self) -> dict[str, str]:
         """How angles follow from the recorded positions, for an output's metadata."""
-        return {
+        facts = {
             'joints': json.dumps(self.names),
             'joint_signs': ' '.join(f'{sign:g}' for sign in self.signs),
             'joint_offsets_rad': ' '.join(repr(offset) for offset in self.offsets),
         }
+        if self.kinds:
+            facts['joint_kinds'] = ' '.join(self.kinds)
+            facts['joints_not_read'] = json.dumps(sorted(self.idle))
+        return facts
 
 
 @dataclass

@@ -15,10 +15,10 @@ from ..recordings.bags.opening import open_bag
 from ..recordings.bags.topics import JOINT_STATE
 from .bag_writing.topic_facts import kept_topic, new_topic
 from .bag_writing.writer import BagWriter
-from .cdr import AnswerSerializer, JointStateSerializer
+from .cdr import AnswerSerializer, JointStateSerializer, answer_topics
 from .cdr_markers import MarkerSerializer
 from .outputs import OutputDescription, SolvedChunk
-from .topics import ANSWERS, MARKERS
+from .topics import MARKERS
 
 
 class BagOutput:
@@ -59,7 +59,11 @@ class BagOutput:
         }
         self._description, muscle = description, description.muscle
         self._answers = AnswerSerializer(
-            store, muscle.band_names, description.coordinates, description.frame_id
+            store,
+            muscle.band_names,
+            description.coordinates,
+            description.frame_id,
+            description.bones,
         )
         self._joints = JointStateSerializer(store, description.coordinates, '')
         self._markers = MarkerSerializer(store, muscle, description.frame_id, POINTS_ON_ARC)
@@ -101,6 +105,7 @@ class BagOutput:
             solved.lengthening,
             states.wrap,
             states.moment_vectors,
+            states.wrenches if description.bones else None,
         )
         for topic, each in answers.items():
             messages[f'/{description.muscle.name}/{topic}'] = each
@@ -133,7 +138,7 @@ class BagOutput:
 def added_topics(description: OutputDescription) -> dict[str, str]:
     """Return the topics that a bag gets, and the types of their messages."""
     name = description.muscle.name
-    added = {f'/{name}/{topic.name}': topic.type for topic in ANSWERS}
+    added = {f'/{name}/{topic.name}': topic.type for topic in answer_topics(description.bones)}
     if description.angles_topic:
         added[description.angles_topic] = JOINT_STATE
     if description.markers:

@@ -21,6 +21,7 @@ from ..types import Bytes, Floats, Stamps
 from .topics import (
     ANSWERS,
     UINT8_ARRAY,
+    WRENCHES,
     Topic,
     dimension_names,
     label_dimensions,
@@ -136,6 +137,11 @@ class JointStateSerializer:
         return made
 
 
+def answer_topics(bones: Sequence[str]) -> tuple[Topic, ...]:
+    """Return the topics of answers; the wrenches among them where there are bones for them."""
+    return (*ANSWERS, WRENCHES) if bones else ANSWERS
+
+
 class AnswerSerializer:
     """Serialises the answers of one muscle and convention; the same messages as the node's.
 
@@ -146,20 +152,28 @@ class AnswerSerializer:
     bands
         The names of the n bands.
     coordinates
-        The names of the convention's coordinates.
+        The names of the d coordinates.
     frame_id
         Of the headers.
+    bones
+        Those that move, where the wrenches on them are among the answers.
     """
 
     def __init__(
-        self, store: Any, bands: Sequence[str], coordinates: Sequence[str], frame_id: str
+        self,
+        store: Any,
+        bands: Sequence[str],
+        coordinates: Sequence[str],
+        frame_id: str,
+        bones: Sequence[str] = (),
     ) -> None:
         """Serialise a template for each topic."""
         self._store = store
-        names = dimension_names(bands, coordinates)
+        names = dimension_names(bands, coordinates, bones)
+        self._topics = answer_topics(bones)
         self._templates = {
             topic.name: self._array(topic, *((kind, names[kind]) for kind in topic.dimensions))
-            for topic in ANSWERS
+            for topic in self._topics
             if topic.dimensions
         }
         self._states = JointStateSerializer(store, bands, frame_id)
@@ -196,6 +210,7 @@ class AnswerSerializer:
         lengthening: Floats,
         wrap: Bytes,
         vectors: Floats,
+        wrenches: Floats | None = None,
     ) -> dict[str, list[bytes]]:
         """Return the messages of each topic.
 
@@ -206,13 +221,15 @@ class AnswerSerializer:
         lengths
             (m, n) m.
         arms
-            (m, n, 3) m, about the coordinates.
+            (m, n, d) m, about the coordinates.
         lengthening
             (m, n) m/s; NaN where not known: the velocity is then empty.
         wrap
             (m, n) WrapState.
         vectors
             (m, n, 3) m.
+        wrenches
+            (m, n, k, 6) m and 1; None where they are not among the answers.
         """
         m = len(stamps)
         made = {
@@ -226,4 +243,6 @@ class AnswerSerializer:
         }
         made['band_states'] = self._states.serialize(stamps, lengths, lengthening)
         made['moment_arm_states'] = self._arm_states.serialize(stamps, arms)
-        return {topic.name: made[topic.name] for topic in ANSWERS}
+        if wrenches is not None:
+            made[WRENCHES.name] = self._templates[WRENCHES.name].fill(m, data=wrenches)
+        return {topic.name: made[topic.name] for topic in self._topics}

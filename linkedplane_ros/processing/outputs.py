@@ -24,7 +24,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Chunk
 from ..solver.states import MuscleStates
 from ..types import Bytes, Floats
-from .topics import moment_arm_names
+from .topics import moment_arm_names, wrench_names
 
 ENDINGS = {'csv': '.csv', 'parquet': '.parquet', 'bag': ''}
 TABLE_ENDINGS = {'.csv': 'csv', '.parquet': 'parquet'}
@@ -38,7 +38,7 @@ class SolvedChunk:
     chunk: Chunk
     states: MuscleStates
     arms: Floats
-    """(k, n, 3) m, about the coordinates."""
+    """(k, n, d) m, about the coordinates."""
     lengthening: Floats
     """(k, n) m/s; NaN where not known."""
 
@@ -48,7 +48,7 @@ class OutputDescription:
     """What an output says of itself."""
 
     muscle: BroadMuscle
-    coordinates: tuple[str, str, str]
+    coordinates: tuple[str, ...]
     frame_id: str
     facts: Mapping[str, str]
     """Written into the output: convention, side, source, what was done to the angles."""
@@ -56,6 +56,8 @@ class OutputDescription:
     """The topic of the angles as joint states in a bag; empty: they are in it as recorded."""
     markers: bool = True
     """Whether a bag gets the markers, too."""
+    bones: tuple[str, ...] = ()
+    """Those that move, where the output has the wrenches on them; else none."""
 
     @property
     def bands(self) -> tuple[str, ...]:
@@ -117,13 +119,15 @@ def column_names(description: OutputDescription) -> list[str]:
         *(f'lengthening/{band}' for band in bands),
         *(f'moment_arms/{each}' for each in moment_arm_names(bands, description.coordinates)),
         *(f'moment_vectors/{band}/{axis}' for band in bands for axis in 'xyz'),
+        *(f'wrenches/{each}' for each in wrench_names(bands, description.bones)),
         *(f'wrap_states/{band}' for band in bands),
     ]
 
 
-def table_rows(solved: SolvedChunk) -> tuple[Floats, Bytes]:
+def table_rows(solved: SolvedChunk, wrenches: bool) -> tuple[Floats, Bytes]:
     """Return a chunk's rows: numbers (k, columns before the wrap states), wrap states (k, n)."""
     states, k = solved.states, len(solved.states)
+    n, d = solved.arms.shape[1:]
     numbers = np.column_stack(
         (
             1e-9 * solved.chunk.stamps,
@@ -131,8 +135,9 @@ def table_rows(solved: SolvedChunk) -> tuple[Floats, Bytes]:
             states.theta,
             states.lengths,
             solved.lengthening,
-            solved.arms.reshape(k, 3 * states.lengths.shape[1]),
-            states.moment_vectors.reshape(k, 3 * states.lengths.shape[1]),
+            solved.arms.reshape(k, d * n),
+            states.moment_vectors.reshape(k, 3 * n),
+            states.wrenches.reshape(k, -1 if k else 0) if wrenches else np.empty((k, 0)),
         )
     )
     return numbers, states.wrap
@@ -181,6 +186,7 @@ class CsvOutput:
     ) -> None:
         """Write the facts and the header."""
         self._file = path.open('w', encoding='utf-8', newline='')
+        self._wrenches = bool(description.bones)
         if facts_path is not None:
             facts = dict(description.facts)
             text = yaml.safe_dump(facts, sort_keys=False, allow_unicode=True, width=10**6)
@@ -192,7 +198,7 @@ class CsvOutput:
 
     def write(self, solved: SolvedChunk) -> None:
         """Append a chunk; numbers are exact, an unknown one is empty."""
-        numbers, wrap = table_rows(solved)
+        numbers, wrap = table_rows(solved, self._wrenches)
         for row, states, ns in zip(
             numbers.tolist(), wrap.tolist(), solved.chunk.stamps.tolist(), strict=True
         ):
@@ -218,6 +224,7 @@ class ParquetOutput:
                 f'Parquet needs the pyarrow library: {advise_install("pyarrow")}'
             ) from None
         self._arrow = pyarrow
+        self._wrenches = bool(description.bones)
         self._file = path.open('wb')
         names = column_names(description)
         kinds = [
@@ -232,7 +239,7 @@ class ParquetOutput:
 
     def write(self, solved: SolvedChunk) -> None:
         """Append a chunk; an unknown number is null."""
-        numbers, wrap = table_rows(solved)
+        numbers, wrap = table_rows(solved, self._wrenches)
         arrays = [solved.chunk.stamps.astype('datetime64[ns]'), *numbers.T, *wrap.T]
         made = [
             self._arrow.array(np.ascontiguousarray(each), type=kind.type, from_pandas=True)

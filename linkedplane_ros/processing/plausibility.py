@@ -15,6 +15,7 @@ from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Motion
 from ..recordings.units import AngleRange, doubt_radians
 from ..types import Floats
+from .motion_source import MotionSource
 from .options import Options
 from .outputs import SolvedChunk
 
@@ -38,13 +39,17 @@ class Plausibility:
         How the angles are read.
     motion
         The recording.
+    moved
+        How it moves the bones.
     """
 
-    def __init__(self, muscle: BroadMuscle, options: Options, motion: Motion) -> None:
+    def __init__(
+        self, muscle: BroadMuscle, options: Options, motion: Motion, moved: MotionSource
+    ) -> None:
         """Begin with no frame."""
-        self.muscle, self.options, self.motion = muscle, options, motion
+        self.muscle, self.options, self.motion, self.moved = muscle, options, motion, moved
         self.frames = self.outside = self.far = 0
-        self.met = AngleRange(options.joint_convention.coordinates)
+        self.met = AngleRange(moved.coordinates)
         self._samples: list[Floats] = []
 
     def extend(self, solved: SolvedChunk) -> None:
@@ -79,7 +84,7 @@ class Plausibility:
             return ''
         causes = [] if self.motion.unit.said else ['degrees (--degrees)?']
         causes += self._better_readings() or ['another --convention?', 'other --signs?']
-        if self.options.thorax is None:
+        if not self.options.follows:
             causes.append('angles against the thorax instead of the scapula?')
         return (
             f"{self.outside:,} of {self.frames:,} frames lie outside the model's range of motion; "
@@ -88,7 +93,7 @@ class Plausibility:
 
     def _better_readings(self) -> list[str]:
         """Return the options that would bring most frames into the range, the best one first."""
-        if self.options.bones is not None:
+        if not isinstance(self.moved.moved_by, JointConvention) or self.moved.joints is None:
             return []
         angles = np.concatenate(self._samples)
         found = []
@@ -102,7 +107,8 @@ class Plausibility:
 
     def _other_readings(self, angles: Floats) -> Iterator[tuple[str, JointConvention, Floats]]:
         """Yield options, and how the sampled angles (k, 3) would be read with them."""
-        chosen, joints = self.options.joint_convention, self.options.joint_map
+        chosen, joints = self.options.joint_convention, self.moved.joints
+        assert joints is not None
         for convention in JOINT_CONVENTIONS.values():
             if convention is not chosen:
                 yield f'--convention {convention.name}', convention, angles

@@ -126,8 +126,9 @@ def read_annotated_bag(path: Path) -> ProcessedRecording:
         content = yaml.safe_load((path / 'metadata.yaml').read_text(encoding='utf-8'))
         facts = content['rosbag2_bagfile_information']['custom_data']
         muscle = facts['muscle']
-        a, b, c = JOINT_CONVENTIONS[facts['joint_convention']].coordinates
-        joints = JointMap((a, b, c), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
+        names = read_coordinates(facts)
+        ones, zeros = (1.0,) * len(names), (0.0,) * len(names)
+        joints = JointMap(names, ones, zeros)
         topic = facts['angles_topic']
         if not topic:
             topic, joints = facts['topic'], JointMap.from_facts(facts)
@@ -136,6 +137,13 @@ def read_annotated_bag(path: Path) -> ProcessedRecording:
     return assemble(
         path, facts, read_bag_columns(path, muscle, JointFrameReader(topic, JointMemory(joints)))
     )
+
+
+def read_coordinates(facts: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the coordinates in an output's facts; KeyError or ValueError for none."""
+    if 'coordinates' in facts:
+        return tuple(json.loads(facts['coordinates']))
+    return JOINT_CONVENTIONS[facts['joint_convention']].coordinates
 
 
 def read_bag_columns(path: Path, muscle: str, frame_reader: JointFrameReader) -> dict[str, Floats]:
@@ -210,6 +218,6 @@ def assemble(
         times=times,
         angles=np.column_stack([columns[f'angles/{each}'] for each in coordinates]),
         lengths=np.column_stack([columns[f'band_lengths/{band}'] for band in bands]),
-        arms=np.column_stack(arms).reshape(len(times), len(bands), 3),
+        arms=np.column_stack(arms).reshape(len(times), len(bands), -1),
         wrap=np.column_stack([columns[f'wrap_states/{band}'] for band in bands]).astype(np.uint8),
     )

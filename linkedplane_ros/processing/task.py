@@ -9,40 +9,35 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 
-import numpy as np
-
 from .. import __version__
 from ..errors import LinkedPlaneError, RecordingError
-from ..joints.articulation import Articulation
+from ..joints.conventions import JointConvention
 from ..muscle.broad_muscle import BroadMuscle
-from ..recordings.bag_motion import BagMotion
-from ..recordings.bone_frames import BoneFrames
-from ..recordings.formats import TABLES, check_format
-from ..recordings.motion import Chunk, Motion, Refusals
+from ..recordings.motion import Motion
 from ..recordings.smoothing import SmoothedMotion
 from ..recordings.table_motion import TableMotion
-from ..skeleton.girdle import HUMERUS, Rest
-from ..skeleton.still_second import NOT_STILL, find_rest
+from ..skeleton.followed_girdle import FollowedGirdle
 from ..solver.linked_plane_solver import LinkedPlaneSolver
-from ..types import Floats
 from .bag_output import BagOutput
+from .motion_source import MotionSource, choose_motion_source
+from .opening import open_motion, settle_rest
 from .options import Options
 from .outputs import (
     CsvOutput,
     Output,
     OutputDescription,
     ParquetOutput,
-    SolvedChunk,
     choose_format,
     facts_file,
     is_facts_file,
     replace_output,
 )
 from .plausibility import Plausibility
+from .solving import begin_solving
 
 
 @dataclass(frozen=True)
@@ -79,65 +74,15 @@ class Report:
     """Why there is no output, in one line; empty: there is one."""
 
 
-def open_motion(task: Task) -> Motion:
-    """Open a task's recording; RecordingError if it cannot be used."""
-    options, source = task.options, task.source
-    convention, bones = options.joint_convention, options.bones
-    motion: Motion
-    check_format(source)
-    if source.suffix.lower() in TABLES:
-        if bones is not None:
-            raise RecordingError(f'{source}: a table has no frames; --humerus is for bags')
-        motion = TableMotion(source, options.joint_map, options.degrees, options.time)
-    elif options.time is not None:
-        raise RecordingError(f'{source}: a bag has stamps; --time is for tables')
-    elif bones is not None:
-        if options.rests_still:
-            bones = replace(bones, rest=read_rest(source, bones, options.side))
-        motion = BagMotion.from_poses(source, bones, convention, options.side)
-    else:
-        motion = BagMotion.from_joint_states(
-            source, options.joint_map, options.topic, options.degrees
-        )
-    if options.rate is None and options.lowpass is None and not options.differentiate:
-        return motion
-    return SmoothedMotion(motion, options.rate, options.lowpass)
-
-
-def read_rest(source: Path, bones: BoneFrames, side: str) -> Rest:
-    """Return the rest with the humerus' of the first still second; RecordingError if there is none.
-
-    Parameters
-    ----------
-    source
-        The bag.
-    bones
-        Of the poses in it: the humerus against the thorax.
-    side
-        'right' or 'left': which shoulder the frames are of.
-    """
-    motion = BagMotion.from_poses(source, replace(bones, rhythm=None), HUMERUS, side)
-    motion.keeps_records = False
-    still = find_rest(
-        (stamp, {'humerus': HUMERUS.rotation(angles)})
-        for chunk in motion.chunks()
-        for stamp, angles in zip(chunk.stamps.tolist(), chunk.angles, strict=True)
-    )
-    if still.rest is None:
-        raise RecordingError(
-            f'{source}: --rest still: {NOT_STILL}; give --rest PROTRACTION LATERAL TILT PLANE '
-            'ELEVATION, rad, or leave it out'
-        )
-    return replace(bones.rest or still.rest, humerus=still.rest.humerus)
-
-
-def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDescription:
+def describe_output(
+    task: Task, muscle: BroadMuscle, motion: Motion, moved: MotionSource
+) -> OutputDescription:
     """Return what a task's output says of itself."""
     options, convention = task.options, task.options.joint_convention
     angles_topic = ''
     if isinstance(motion, TableMotion):
         angles_topic = '/joint_states'
-    elif isinstance(motion, SmoothedMotion) or options.bones or motion.unit.degrees:
+    elif isinstance(motion, SmoothedMotion) or moved.frames or motion.unit.degrees:
         angles_topic = f'/{muscle.name}/joint_states'
     lowpass = 'no'
     if options.lowpass is not None:
@@ -151,17 +96,36 @@ def describe_output(task: Task, muscle: BroadMuscle, motion: Motion) -> OutputDe
         'scale': options.scale,
         'heads': json.dumps({head.name: head.bands for head in muscle.heads}),
         'side': options.side,
-        'joint_convention': convention.name,
-        'rotation': convention.formula,
         **motion.facts,
+        **describe_coordinates(moved, convention),
         'resampled_to_hz': 'no' if options.rate is None else f'{options.rate:g}',
         'lowpass_hz': lowpass,
         'angles_topic': angles_topic,
         'units': 'm, rad, s; moment arms: positive where shortening turns the joint up',
     }
+    bones = muscle.bones.names[1:] if len(muscle.bones.names) > 2 else ()
     return OutputDescription(
-        muscle, convention.coordinates, options.frame_id, facts, angles_topic, options.markers
+        muscle, moved.coordinates, options.frame_id, facts, angles_topic, options.markers, bones
     )
+
+
+def describe_coordinates(moved: MotionSource, convention: JointConvention) -> dict[str, str]:
+    """Return what the coordinates mean, for an output's metadata."""
+    moved_by = moved.moved_by
+    facts = {'joint_convention': convention.name, 'rotation': convention.formula}
+    if moved.skeleton:
+        facts = {
+            'joint_convention': f'joints of {moved.skeleton}',
+            'coordinates': json.dumps(moved.coordinates),
+        }
+        if moved.joints is None:
+            facts['angles_from'] = 'the joints that fit the poses best'
+    if isinstance(moved_by, FollowedGirdle):
+        facts['against'] = 'thorax; moment arms include what follows'
+        facts['scapulohumeral_rhythm'] = str(moved_by.rhythm)
+        if moved_by.rest is not None:
+            facts['scapula_at_rest'] = str(moved_by.rest)
+    return facts
 
 
 def open_output(
@@ -177,43 +141,6 @@ def open_output(
     if kind == 'parquet':
         return ParquetOutput(path, description)
     return BagOutput(path, description, motion.path if motion.keeps_records else None)
-
-
-def solve_chunk(
-    chunk: Chunk, solver: LinkedPlaneSolver, moved_by: Articulation, refused: Refusals
-) -> SolvedChunk:
-    """Solve a chunk; refuse and leave out frames at which a band has no plane.
-
-    Parameters
-    ----------
-    chunk
-        Values of the coordinates.
-    solver
-        Of the muscle and the side.
-    moved_by
-        What moves the muscle's bones.
-    refused
-        Where refused frames are counted.
-    """
-    try:
-        answers = solver.answer_batch(moved_by, chunk.angles, chunk.speeds)
-    except LinkedPlaneError:
-        good = np.array([has_planes(solver, moved_by, each) for each in chunk.angles])
-        for stamp in chunk.stamps[~good].tolist():
-            refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
-        if good.all():
-            raise
-        return solve_chunk(chunk.select(good), solver, moved_by, refused)
-    return SolvedChunk(chunk, answers.states, answers.moment_arms, answers.lengthening)
-
-
-def has_planes(solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats) -> bool:
-    """Return whether every band has a plane at values (d,) of the coordinates."""
-    try:
-        solver.answer(moved_by, values, np.zeros_like(values))
-    except LinkedPlaneError:
-        return False
-    return True
 
 
 Progress = Callable[[int, float], None]
@@ -242,6 +169,7 @@ def _run(task: Task, progress: Progress) -> Report:
     muscle = BroadMuscle.load(options.muscle).scaled(options.scale)
     solver = LinkedPlaneSolver(muscle, options.side)
     convention.rotation((0.0, 0.0, 0.0))
+    moved = settle_rest(task.source, options, choose_motion_source(options, solver))
     begin = perf_counter()  # all is compiled
     kind = choose_format(task.target, options.kind)
     targets, facts = [task.target], facts_file(task.target)
@@ -251,16 +179,17 @@ def _run(task: Task, progress: Progress) -> Report:
         if facts.exists() and not is_facts_file(facts):
             raise RecordingError(f'{facts}: exists, and --plain did not write it: not replaced')
         targets.append(facts)
-    motion = open_motion(task)
+    motion = open_motion(task.source, options, moved)
+    solving = begin_solving(solver, moved, motion.refused)
     motion.keeps_records = motion.keeps_records and kind == 'bag'
-    plausibility = Plausibility(muscle, options, motion)
+    plausibility = Plausibility(muscle, options, motion, moved)
     with ExitStack() as stack:
         replaced = (replace_output(each, options.force, kind == 'bag') for each in targets)
         beside = [stack.enter_context(each) for each in replaced]
-        description = describe_output(task, muscle, motion)
+        description = describe_output(task, muscle, motion, moved)
         with closing(open_output(beside, kind, description, motion)) as out:
             for chunk in motion.chunks():
-                each = solve_chunk(chunk, solver, convention, motion.refused)
+                each = solving.solve(chunk)
                 out.write(each)
                 plausibility.extend(each)
                 progress(plausibility.frames, chunk.share)
@@ -277,7 +206,7 @@ def _run(task: Task, progress: Progress) -> Report:
         perf_counter() - begin,
         dict(refused.counts),
         dict(refused.first),
-        (*refused.notes, *refused.warn()),
+        (*refused.notes, *refused.warn(), *solving.notes),
         plausibility.outside,
         plausibility.warning,
         refused.most,

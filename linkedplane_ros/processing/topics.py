@@ -15,6 +15,7 @@ from ..recordings.bags.topics import JOINT_STATE
 
 BAND, COORDINATE, AXIS = 'band', 'coordinate', 'axis'
 BONE, COMPONENT = 'bone', 'component'
+COMPONENTS = ('mx', 'my', 'mz', 'fx', 'fy', 'fz')
 FLOAT_ARRAY, UINT8_ARRAY = 'std_msgs/msg/Float64MultiArray', 'std_msgs/msg/UInt8MultiArray'
 
 
@@ -110,9 +111,13 @@ def dimension_names(
     bands: Sequence[str], coordinates: Sequence[str], bones: Sequence[str] = ()
 ) -> dict[str, Sequence[str]]:
     """Return what each kind of dimension counts, by name; `bones` are those that move."""
-    components = ('mx', 'my', 'mz', 'fx', 'fy', 'fz')
     axes = ('x', 'y', 'z')
-    return {BAND: bands, COORDINATE: coordinates, AXIS: axes, BONE: bones, COMPONENT: components}
+    return {BAND: bands, COORDINATE: coordinates, AXIS: axes, BONE: bones, COMPONENT: COMPONENTS}
+
+
+def wrench_names(bands: Sequence[str], bones: Sequence[str]) -> list[str]:
+    """Return the name of each number, `band/bone/component`, in the order of `wrenches`."""
+    return [f'{band}/{bone}/{each}' for band in bands for bone in bones for each in COMPONENTS]
 
 
 def moment_arm_names(bands: Sequence[str], coordinates: Sequence[str]) -> list[str]:

@@ -86,7 +86,7 @@ class BagMotion:
         path
             The bag.
         joints
-            Which joints are the convention's coordinates.
+            Which joints are the coordinates.
         topic
             The topic of the joint states; None: the one that has the joints.
         degrees
@@ -104,8 +104,8 @@ class BagMotion:
             unclear = len(held) > 1 if topic is None else topic not in held
             names = read_joint_names(bag) if unclear else None
             others = {each.topic for each in bag.connections if each.kind == JOINT_STATE}
-        chosen = choose_joint_topic(path, topics, topic, '--topic {}', names, joints.names)
-        words = name_words(path, joints.names, alone=degrees is None, kind='joint')
+        chosen = choose_joint_topic(path, topics, topic, '--topic {}', names, joints.needed)
+        words = name_words(path, joints.needed, alone=degrees is None, kind='joint')
         unit = decide_unit(path, degrees, words, 'REP 103')
         motion = BagMotion(path, JointFrameReader(chosen, JointMemory(joints), unit))
         others -= {chosen}
@@ -197,6 +197,7 @@ class BagMotion:
                     yield chunk
             self._count_losses(bag)
         self.met.check_circle(self.path)
+        self.refused.notes += [f'warning: {line}' for line in self.frame_reader.notes]
         for reason, count, where in self.frame_reader.unused_messages():
             self.refused.add(reason, where, count)
         if number == self.others and self.others:

@@ -6,8 +6,8 @@ need not: a clavicle's is built on its own landmarks. So each has its place at r
 
 * `COINCIDE`: the bone's frame is the measured one.
 * `FIRST`: the muscle was at rest in the first frame of the motion.
-* a place (3, 4): where the measured frame stands in the ground bone's measured one at rest.
-* `LINK`: that of the bone's link in a skeleton, which has the bone's frame in it.
+* `GIVEN`: it stands at a place in the ground bone's measured frame then.
+* `LINK`: the same of the bone's link in a skeleton, in right-shoulder form.
 * `DOUBTED`: nobody said: it coincides, unless it begins too far from the ground's for that; then
   as `FIRST`, and a note says so.
 """
@@ -32,7 +32,7 @@ FRAME_AXES = {
     'model': np.eye(3),
     'isb': np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
-COINCIDE, FIRST, LINK, DOUBTED = 'coincide', 'first', 'link', 'doubted'
+COINCIDE, FIRST, LINK, GIVEN, DOUBTED = 'coincide', 'first', 'link', 'given', 'doubted'
 NEAR = 0.05  # m: frames that coincide at rest are not farther apart when a motion begins
 FARTHEST = 3.0  # m: no bone of a body is farther from another
 
@@ -42,15 +42,15 @@ class RestPlace:
     """Where a bone's measured frame stands at rest."""
 
     kind: str = DOUBTED
-    """COINCIDE, FIRST, LINK, DOUBTED, or 'given'."""
+    """One of the above."""
     place: Floats | None = None
-    """(3, 4) of LINK: the bone's frame in the measured one, right-shoulder form, the model's axes;
-    of 'given': the measured frame in the ground's, as it is measured."""
+    """(3, 4) of GIVEN and LINK: the measured frame in the ground's measured one, at rest; of the
+    ground itself: the muscle's frame in the measured one."""
 
     def __str__(self) -> str:
-        if self.kind != 'given' or self.place is None:
+        if self.place is None:
             return self.kind
-        return ' '.join(f'{each:.9g}' for each in self.place.ravel())
+        return f'{self.kind} {" ".join(f"{each:.9g}" for each in self.place.ravel())}'
 
 
 @dataclass(frozen=True)
@@ -164,8 +164,14 @@ class BonePlacer:
             )
 
     def _frame_of_ground(self, ground: str) -> Floats:
-        rest = self._rest_of(ground)
-        return np.eye(3, 4) if rest.kind != LINK or rest.place is None else rest.place
+        place = self._place_at_rest(ground)
+        return np.eye(3, 4) if place is None else place
+
+    def _place_at_rest(self, bone: str) -> Floats | None:
+        rest = self._rest_of(bone)
+        if rest.place is None or rest.kind == LINK:
+            return rest.place
+        return self._to_model(rest.place)
 
     def _rest_of(self, bone: str) -> RestPlace:
         return (self.bones.at_rest or {}).get(bone, RestPlace())
@@ -176,10 +182,9 @@ class BonePlacer:
         At rest it is the ground's: the measured frame at its place at rest, and the bone's in it.
         """
         rest = self._rest_of(bone)
-        if rest.kind == LINK and rest.place is not None:
-            return rest.place
-        if rest.kind == 'given' and rest.place is not None:
-            return compose_poses(invert_poses(self._to_model(rest.place)), ground)
+        place = self._place_at_rest(bone)
+        if place is not None:
+            return compose_poses(invert_poses(place), ground)
         away = float(np.linalg.norm(pose[:, 3]))
         if rest.kind == DOUBTED and away > NEAR:
             base = next(iter(self.bones.names))

@@ -62,7 +62,7 @@ class JointFrameReader:
 
     def __post_init__(self) -> None:
         """Begin with no position."""
-        self.met = AngleRange(self.memory.joints.names)
+        self.met = AngleRange(self.memory.joints.turning)
 
     @property
     def width(self) -> int:
@@ -94,7 +94,12 @@ class JointFrameReader:
         if not self.unit.said:
             self.met.extend_named(message.name, positions)
         elif self.unit.degrees:
-            positions, velocities = np.radians(positions), np.radians(velocities)
+            sliding = self.memory.joints.sliding
+            turns = np.array([name not in sliding for name in message.name], dtype=bool)
+            positions, velocities = (
+                np.where(turns, np.radians(each), each) if len(each) == len(turns) else each
+                for each in (positions, velocities)
+            )
         try:
             angles, speeds, _ = self.memory.take_message(
                 message.name, positions.tolist(), velocities.tolist()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The motion in a table: three columns of angles over time."""
+"""The motion in a table: columns of joints over time."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .units import AngleRange, decide_unit, name_words
 
 
 class TableMotion:
-    """The motion in three columns of a table; velocities are differences in time.
+    """The motion in some columns of a table; velocities are differences in time.
 
     Parameters
     ----------
     path
         An OpenSim .mot or .sto, or a CSV file.
     joints
-        Which columns are the convention's coordinates.
+        Which columns are the coordinates.
     degrees
         Whether the columns are in degrees; None: as `units.decide_unit` finds.
     time
@@ -50,14 +50,20 @@ class TableMotion:
         self.keeps_records = False
         self.wants_speeds = True
         try:
-            self.columns = find_joint_columns(self.table.columns, joints.names)
+            self.columns = find_joint_columns(self.table.columns, joints.needed)
         except RecordingError as error:
             raise RecordingError(f'{path}: {error}') from None
         above = head_words(path, self.table.head)
         certain = [word for word in above if word.certain]
         names = name_words(path, self.columns, alone=degrees is None and not certain)
         self.unit = decide_unit(path, degrees, (*names, *(certain if names else above)))
-        self.met = AngleRange(joints.names)
+        self.met = AngleRange(joints.turning)
+        self._needed = [joints.names.index(name) for name in joints.needed]
+        self._turning = [joints.needed.index(name) for name in joints.turning]
+        self._most = np.array([joints.most.get(name, FULL_CIRCLE) for name in joints.needed])
+        self._to_si = np.array(
+            [1.0 if name in joints.sliding else self.unit.radians for name in joints.needed]
+        )
         self.facts: Mapping[str, str] = {
             'columns': ', '.join(self.columns),
             **({'times': self.table.time.description} if time or not self.table.time.plain else {}),
@@ -68,25 +74,24 @@ class TableMotion:
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the rows that can be used."""
-        times, angles, rows = np.empty(0), np.empty((0, 3)), np.empty(0, dtype=np.int64)
+        times, rows = np.empty(0), np.empty(0, dtype=np.int64)
+        angles = self._lay_out(np.empty((0, len(self._needed))))
         share = 0.0
         self._watch, self._fallen = TimeWatch(self.refused, 'row'), 0
         self._last: Stamps | None = None
         first = row = 0  # the first of the held rows that has not been yielded
         for new_times, values, share in self.table.chunks(self.columns, ROWS):
             if not self.unit.said:
-                self.met.extend(values)
+                self.met.extend(values[:, self._turning])
                 if self.met.largest > FULL_CIRCLE:
                     continue  # to refuse it with its whole range
-            values = values * self.unit.radians
+            values = values * self._to_si
             good = self._find_usable(new_times, values, row)
             rows = np.concatenate((rows, row + 1 + np.flatnonzero(good)))
             row += len(new_times)
             self.refused.used += int(good.sum())
             times = np.concatenate((times, new_times[good]))
-            angles = np.concatenate(
-                (angles, (values * self.joints.signs + self.joints.offsets)[good])
-            )
+            angles = np.concatenate((angles, self._lay_out(values[good])))
             # a difference needs both neighbours: the last row waits for the next chunk
             if len(times) > 1 + first:
                 yield self._chunk(times, angles, rows, slice(first, -1), share)
@@ -97,6 +102,14 @@ class TableMotion:
             self.refused.notes.append(f'{row:,} rows are there, but its head says {promised:,}')
         if len(times) > first:
             yield self._chunk(times, angles, rows, slice(first, None), share)
+
+    def _lay_out(self, values: Floats) -> Floats:
+        """Return the coordinates (m, d) of columns; those that move no bone are 0."""
+        joints = self.joints
+        angles = np.zeros((len(values), len(joints.names)))
+        signs, offsets = np.array(joints.signs), np.array(joints.offsets)
+        angles[:, self._needed] = values * signs[self._needed] + offsets[self._needed]
+        return angles
 
     def _chunk(
         self, times: Floats, angles: Floats, rows: Stamps, part: slice, share: float
@@ -137,7 +150,7 @@ class TableMotion:
     def _find_usable(self, times: Floats, angles: Floats, row: int) -> Bools:
         """Return which rows are angles; the others are refused, as the node does."""
         finite = np.isfinite(angles).all(axis=1)
-        small = ~(np.abs(angles) > FULL_CIRCLE).any(axis=1)
+        small = ~(np.abs(angles) > self._most).any(axis=1)
         for reason, bad, hint in (
             ('not_finite', ~finite, 'a finite angle expected'),
             ('degrees', finite & ~small, f'at most 2 pi rad expected; read in {self.unit.fact}'),

@@ -219,6 +219,11 @@ class Skeleton:
         return tuple(joint.limits for joint in self.tree.independent)
 
     @property
+    def frames(self) -> Floats:
+        """(1 + k, 3, 4) the bones' frames in their links: of rest, they coincide there."""
+        return self._chain.frames
+
+    @property
     def moving(self) -> tuple[str, ...]:
         """The coordinates that move a bone against the ground: those that its muscle needs."""
         chain = self._chain
@@ -412,12 +417,21 @@ def bundled_skeletons() -> dict[str, str]:
 
 def parse_bone_links(entries: Iterable[str]) -> dict[str, str]:
     """Return the links of bones from entries BONE:=LINK, as the parameter `bone_links` has them."""
-    links: dict[str, str] = {}
+    return parse_pairs('bone_links', 'BONE:=LINK', entries)
+
+
+def parse_pairs(name: str, form: str, entries: Iterable[str]) -> dict[str, str]:
+    """Return what entries of a form, as BONE:=LINK, say; SkeletonError, with the name, for others.
+
+    No first part may be given twice.
+    """
+    pairs: dict[str, str] = {}
     for text in entries:
-        bone, given, link = (part.strip() for part in text.partition(':='))
-        if not (bone and given and link):
-            raise SkeletonError(f'bone_links: {describe_value(text)} given, BONE:=LINK expected')
-        if bone in links:
-            raise SkeletonError(f'bone_links: bone {describe_value(bone)} is given twice')
-        links[bone] = link
-    return links
+        first, given, second = (part.strip() for part in text.partition(':='))
+        if not (first and given and second):
+            raise SkeletonError(f'{name}: {describe_value(text)} given, {form} expected')
+        if first in pairs:
+            what = form.partition(':=')[0].lower()
+            raise SkeletonError(f'{name}: {what} {describe_value(first)} is given twice')
+        pairs[first] = second
+    return pairs

@@ -17,6 +17,7 @@ import pytest
 from bags import STORE, T0, Sent, joint_state, read_csv, read_messages, write_bag
 from scipy.signal import butter, sosfiltfilt
 
+from linkedplane_ros.joints.joint_state import JointMap
 from linkedplane_ros.processing.options import Options
 from linkedplane_ros.processing.task import Report, Task, run_task
 from linkedplane_ros.recordings import bag_motion, table_motion
@@ -99,7 +100,7 @@ def test_falls_at_any_place_of_a_chunk(
     times = [0.0, 0.1, 0.3, 0.0, 0.1, 0.05, 0.2, 0.3, 0.1]
     turn = np.array([0.1, 0.2, 0.5, 0.9, 0.3, 0.4, 0.1, 0.2, 0.7])
     source = write_table(tmp_path / 'a.csv', times, turn)
-    motion = table_motion.TableMotion(source, Options().joint_map, None)
+    motion = table_motion.TableMotion(source, JOINTS, None)
     chunks = list(motion.chunks())
     speeds = np.concatenate([chunk.speeds[:, 0] for chunk in chunks])
     wanted = np.full(9, np.nan)  # the last row is a stretch by itself
@@ -190,6 +191,7 @@ def test_some_stamps_that_are_missing_take_the_recorded_times(
     assert find_unstamped([0, 5, 0, 0], 1) == []
 
 
+JOINTS = JointMap(('flexion', 'abduction', 'rotation'), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
 SIMULATED = 5 * 10**9  # ns: where a simulation's clock stands when the recorder is started
 
 
