@@ -37,7 +37,8 @@ def flat(tree: dict, prefix: str = '') -> dict:
 def test_the_parameter_file_has_the_defaults() -> None:
     file = yaml.safe_load((TOP / 'config' / 'params.yaml').read_text())
     given = flat(file['/**/muscle_state_publisher']['ros__parameters'])
-    assert given == {spec.name: spec.default for spec in SPECS if spec.name != 'joint_names'}
+    # a list of names has no default that a file could have: it stands there as a comment
+    assert given == {spec.name: spec.default for spec in SPECS if spec.default != ['']}
 
 
 NAMESPACES = {
