@@ -8,9 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rhythms
+from bags import read_csv
 from optional import requires
 from pages import TOP
 from scipy.spatial.transform import Rotation
+
+from linkedplane_ros.processing.options import Options
+from linkedplane_ros.processing.task import Task, run_task
 
 PAGE = (TOP / 'doc/how_to/against_the_thorax.md').read_text(encoding='utf-8')
 
@@ -39,6 +43,22 @@ def test_the_bands_of_the_shrug_change_as_it_says(shared: Path) -> None:
         for R, _ in (poses[bone] for bone in ('humerus', 'scapula', 'clavicle'))
     ]
     assert turns == pytest.approx([8.0, 20.0, 20.0], abs=0.5)
+
+
+@requires('rosbags')
+def test_process_changes_the_bands_of_the_shrug_by_as_much(tmp_path: Path, shared: Path) -> None:
+    options = Options(
+        muscle='deltoid_girdle', humerus='humerus', scapula='scapula', clavicle='clavicle'
+    )
+    source = shared / 'recordings/girdle_shrug_mcap'
+    assert run_task(Task(source, tmp_path / 'out.csv', options)).fault == ''
+    _, names, values = read_csv(tmp_path / 'out.csv')
+    lengths = [k for k, name in enumerate(names) if name.startswith('band_lengths/')]
+    spans = [f' {1e3 * span:.1f} |' for span in np.ptp(values[:, lengths], axis=0)]
+    table = PAGE.partition(rhythms.CHANGES)[2].strip().splitlines()
+    for row, span in zip(table, spans, strict=False):
+        assert row.endswith(span)
+    assert len(spans) == 9
 
 
 @requires('rosbags')
