@@ -4,13 +4,15 @@
 Seconds are counted from the first pose, and again from each pose that moves: that is further than
 `STILL` from the one that the count began with, raised to `HANGING` or more, earlier than the pose
 before it or more than `LONGEST_GAP` later. The rest is the mean of the poses in the first whole
-second.
+second. An arm that hangs straight down has no plane of elevation; noise would give it any, and a
+regression would turn the scapula by it. There the plane is that of the scapula, at which the
+published regression gives an average subject the rest that it was made from.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -20,6 +22,8 @@ from .girdle import Rest
 
 STILL = 0.05  # rad in a second: the speed below which a bone is still, 2.9 deg/s
 HANGING = np.pi / 6  # rad, 30 deg: the elevation of the humerus below which the arm hangs
+STRAIGHT_DOWN = np.radians(5.0)  # the elevation below which the plane is not relied on
+SCAPULAR_PLANE = np.radians(30.0)
 SECOND = 10**9  # ns
 LONGEST_GAP = SECOND // 4  # between two poses of the second
 NOT_STILL = (
@@ -75,7 +79,7 @@ class StillSecond:
         self._sums = {bone: R + self._sums.get(bone, 0.0) for bone, R in turns.items()}
         if stamp - self.start >= SECOND:
             means = {bone: _nearest_rotation(total) for bone, total in self._sums.items()}
-            self.rest = Rest.measured(means.get('scapula'), means.get('clavicle'), means['humerus'])
+            self.rest = _measure_rest(means)
         return self.rest
 
     def _goes_on(self, stamp: int, turns: Mapping[str, Floats]) -> bool:
@@ -98,6 +102,13 @@ def find_rest(poses: Iterable[tuple[int, Mapping[str, Floats]]]) -> StillSecond:
         if still.add(stamp, bones) is not None:
             break
     return still
+
+
+def _measure_rest(means: Mapping[str, Floats]) -> Rest:
+    rest = Rest.measured(means.get('scapula'), means.get('clavicle'), means['humerus'])
+    if rest.humerus is not None and rest.humerus[1] < STRAIGHT_DOWN:
+        return replace(rest, humerus=(SCAPULAR_PLANE, rest.humerus[1]))
+    return rest
 
 
 def _angle_between(a: Floats, b: Floats) -> float:

@@ -14,7 +14,7 @@ from optional import requires
 from reference import Array
 from scipy.spatial.transform import Rotation
 
-from linkedplane_ros import LinkedPlaneError, Rest
+from linkedplane_ros import RHYTHMS, LinkedPlaneError, Rest
 from linkedplane_ros.skeleton.girdle import GIRDLE, HUMERUS
 from linkedplane_ros.skeleton.still_second import StillSecond, find_rest
 
@@ -104,6 +104,19 @@ def test_a_scapula_that_moves_is_not_at_rest_though_the_arm_hangs() -> None:
     assert found.rest.scapula == pytest.approx((0.5, 0.3, -0.1), abs=0.05)
     assert found.start > 60 * 10**7
     assert found.rest.clavicle == Rest().clavicle
+
+
+@pytest.mark.parametrize('plane', [-2.5, 0.0, 0.6, 3.0])
+def test_an_arm_straight_down_has_the_plane_of_the_scapula(plane: float) -> None:
+    rest = find_rest(stamped([(plane, 0.03, -plane)] * 101)).rest
+    assert rest is not None
+    assert rest.humerus == pytest.approx((np.pi / 6, 0.03), abs=1e-9)
+    # there the regression gives an average subject his own rest, to a few deg in each angle
+    own = RHYTHMS['de_groot_brand_2001'].bones((np.pi / 6, 0.2, 0.0))['scapula'][0]
+    assert np.degrees(GIRDLE.angles(own)) == pytest.approx(np.degrees(Rest().scapula), abs=4.0)
+    leaning = find_rest(stamped([(plane, 0.1, 0.2)] * 101)).rest
+    assert leaning is not None
+    assert leaning.humerus == pytest.approx((plane, 0.1), abs=1e-9)
 
 
 @requires('rosbags')
