@@ -28,7 +28,7 @@ from linkedplane_ros import (
     WrapState,
 )
 from linkedplane_ros.node.muscle_state_publisher import MuscleStatePublisher
-from linkedplane_ros.processing.task import solve_chunk
+from linkedplane_ros.processing.solving import ValuesSolving
 from linkedplane_ros.recordings.motion import Chunk, Refusals
 from linkedplane_ros.skeleton.followed_girdle import FollowedGirdle
 from linkedplane_ros.types import Floats
@@ -357,7 +357,7 @@ def test_the_shrug_in_the_node_is_the_one_of_a_processed_recording(
         assert girdle_peer.answers(len(angles))
     stamps, refused = np.arange(len(angles)), Refusals()
     chunk = Chunk(stamps, angles, np.zeros_like(angles), stamps, 1.0)
-    processed = solve_chunk(chunk, SOLVER, GIRDLE, refused)
+    processed = ValuesSolving(SOLVER, GIRDLE, refused).solve(chunk)
     lengths = np.array([each.data for each in girdle_peer.got['band_lengths']])
     arms = np.array([each.data for each in girdle_peer.got['moment_arms']]).reshape(-1, 9, 9)
     np.testing.assert_allclose(lengths, processed.states.lengths, 0, EXACT)
