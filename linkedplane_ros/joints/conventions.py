@@ -60,7 +60,27 @@ class JointConvention:
         return REVOLUTE, REVOLUTE, REVOLUTE
 
     def move_bones(self, values: npt.ArrayLike, bones: Sequence[str], side: str) -> MovedBones:
-        """Return the bones: the last one turned, the others at rest (`Articulation`)."""
+        """Return the bones: the last one turned, the others at rest (`Articulation`).
+
+        Parameters
+        ----------
+        values
+            (m, 3) rad.
+        bones
+            The muscle's: the ground first, then the k that move.
+        side
+            The muscle's; the answer is the same for both.
+
+        Returns
+        -------
+        MovedBones
+            Poses and screws, right-shoulder form.
+
+        Raises
+        ------
+        LinkedPlaneError
+            For anything but triples of finite numbers.
+        """
         rotations, axes = self.rotations_and_axes(values)
         poses = rotated_poses(rotations, len(bones) - 1)
         screws = np.zeros((len(poses), 3, len(bones) - 1, 6))

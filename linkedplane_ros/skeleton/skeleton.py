@@ -355,6 +355,25 @@ class Skeleton:
         values: a joint that lifts the right arm lifts the left one. So does one of the left a
         muscle of the right. A skeleton that states no side is of the muscle's own: its poses are
         taken as they are, its ground frame with x to the body's right on either side.
+
+        Parameters
+        ----------
+        values
+            (m, d) rad or m.
+        bones
+            The muscle's, which have to be those of the skeleton.
+        side
+            The muscle's.
+
+        Returns
+        -------
+        MovedBones
+            Poses and screws, right-shoulder form.
+
+        Raises
+        ------
+        SkeletonError
+            For other bones, and anything but finite numbers (m, d).
         """
         if tuple(bones) != self.bones:
             raise self.tree.fault(
