@@ -72,8 +72,8 @@ TOPIC = ('topic', 'type', 'quality of service', 'content')
 
 def subscribed() -> str:
     """Return what the node subscribes."""
-    wanted = topics.JOINT_STATES, topics.ROBOT_DESCRIPTION, topics.CLOCK
-    return markdown_table(TOPIC, topics.topic_rows(wanted))
+    wanted = (topics.JOINT_STATES, topics.ROBOT_DESCRIPTION, topics.TF, topics.TF_STATIC)
+    return markdown_table(TOPIC, topics.topic_rows((*wanted, topics.CLOCK)))
 
 
 def published() -> str:

@@ -34,6 +34,11 @@ REASONS = (
     'stale',
     'no_plane',
     'answer_not_finite',
+    'apart',
+    'loop',
+    'not_unit',
+    'far',
+    'no_angles',
 )
 LONG_AGO = -math.inf  # s
 OF_ANGLES = 'a full turn at most expected, |offset| <= 2 pi rad'

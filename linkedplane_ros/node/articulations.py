@@ -67,9 +67,15 @@ def check_combination(checked: Mapping[str, Any]) -> None:
             f'parameter rhythm: {describe_value(rhythm)} given beside skeleton '
             f'{describe_value(skeleton)}; one of them expected: a skeleton moves all bones itself'
         )
-    if any(checked['bone_links']) and not skeleton:
+    if any(checked['bone_links']) and not skeleton and checked['input'] != 'tf':
         given = describe_value(checked['bone_links'])
-        raise LinkedPlaneError(f'parameter bone_links: {given} given, only with a skeleton')
+        raise LinkedPlaneError(
+            f'parameter bone_links: {given} given, only with a skeleton or input tf'
+        )
+    for name, default in ('rest_frames', ['']), ('frame_axes', 'model'):
+        if checked[name] != default and checked['input'] != 'tf':
+            given = describe_value(checked[name])
+            raise LinkedPlaneError(f'parameter {name}: {given} given, only with input tf')
     if checked['rest'] and not rhythm:
         given = describe_value(checked['rest'])
         raise LinkedPlaneError(f'parameter rest: {given} given, only with a rhythm')

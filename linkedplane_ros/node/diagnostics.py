@@ -18,6 +18,7 @@ from ..solver.states import MuscleState, WrapState
 
 TIMED = 2000  # callbacks that the timing figures look back on
 STALE_AFTER = 3.0  # s without input, or without one of the joints
+POOR_FIT = 5.0  # deg: a skeleton that misses measured poses by more is another's
 OUTSIDE_SHARE = 0.1  # of the last second's answers: less is a moment's excursion
 
 
@@ -50,9 +51,17 @@ class Tally:
     """What has to come before anything is answered; empty: nothing."""
     unseen: Sequence[str] = ()
     """The joints that have not come so far."""
+    lacking: str = ''
+    """Why the frames of the bones do not hang together; empty: they do, or joints are read."""
+    misfit: tuple[float, float] | None = None
+    """deg and mm by which the skeleton misses the newest measured pose."""
     same_name: str = ''
     """A line on other nodes of this node's name."""
     _before: Counter[str] = field(default_factory=Counter)
+
+    def take_misfit(self, turn: float, shift: float) -> None:
+        """Keep how far the skeleton's bones are turned (rad) and shifted (m) from measured ones."""
+        self.misfit = math.degrees(turn), 1e3 * shift
 
     def assess(self, now: float) -> tuple[bytes, str]:
         """Return the level and its line: rejected input warns, no input is stale; `now` in s."""
@@ -62,7 +71,8 @@ class Tally:
         if self.last_arrival is None and self.others:
             return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_other}'
         if self.last_arrival is None:
-            line = next(iter(self.incompatible_peers), 'no joint states received yet')
+            nothing = self.lacking or 'no joint states received yet'
+            line = next(iter(self.incompatible_peers), nothing)
             return DiagnosticStatus.STALE, line
         if not self.answered:
             return DiagnosticStatus.ERROR, f'no joint state was usable: {self.last_rejection}'
@@ -96,6 +106,11 @@ class Tally:
             yield self.same_name
         if self.incompatible_peers:
             yield self.incompatible_peers[0]
+        if self.misfit is not None and self.misfit[0] > POOR_FIT:
+            yield (
+                f'the skeleton misses the measured poses by {self.misfit[0]:.3g} deg: beyond the '
+                'limits of its joints, or other axes'
+            )
         old = [name for name, age in self.ages.items() if age > self.oldest]
         if old:
             yield (
@@ -159,6 +174,9 @@ def build_status(
             values[f'{kind} time {figure} (ms)'] = text
     age = 'none' if tally.last_arrival is None else f'{now - tally.last_arrival:.3f}'
     values['input age (s)'] = age
+    if tally.misfit is not None:
+        values['misfit of the skeleton (deg)'] = f'{tally.misfit[0]:.6f}'
+        values['misfit of the skeleton (mm)'] = f'{tally.misfit[1]:.3f}'
     if tally.unseen:
         values['joints not seen so far'] = ', '.join(tally.unseen)
     for joint, seconds in tally.ages.items():

@@ -12,6 +12,7 @@ from threading import Timer
 from time import perf_counter
 from typing import Any
 
+import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
@@ -24,10 +25,12 @@ from sensor_msgs.msg import JointState
 from ..errors import LinkedPlaneError, describe_value, escape_controls
 from ..joints.joint_state import JointMemory, OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
+from ..recordings.motion import Frame
 from ..skeleton.still_second import StillSecond
 from . import qos
 from .articulations import BY_TOPIC, Received
 from .declaration import declare_parameters
+from .frame_input import FrameInput
 from .outputs import THROTTLE, MuscleOutputs
 from .parameter_requests import refuse_odd_requests
 from .parameters import NAMES, is_list
@@ -55,6 +58,7 @@ class MuscleStatePublisher(Node):
         self._candidate: tuple[Settings, list[MuscleOutputs], Received] | None = None
         self._received = Received()
         self._description = DescriptionReader(self, self._take_description)
+        self._frames = FrameInput(self, self._answer_frame, self._reject_frame)
         self._simulated = self._is_time_simulated()
         settings = self._declare_parameters()
         for text, fault in settings.left_out.items():
@@ -135,6 +139,7 @@ class MuscleStatePublisher(Node):
         for muscle, solver, by in zip(muscles, settings.solvers, moved_by, strict=True):
             own = logger if len(muscles) == 1 else logger.get_child(muscle.name)
             muscle.apply(settings, solver, by, own)
+        self._frames.apply(settings)
         if moved.awaited and moved.awaited != self._awaited:
             logger.info(f'waiting for {moved.awaited}')
         self._awaited = moved.awaited
@@ -209,6 +214,8 @@ class MuscleStatePublisher(Node):
 
     def _answer(self, message: JointState) -> None:
         """Let each muscle answer one joint state, or log why it is rejected."""
+        if self._settings.sources:  # poses in /tf move the bones
+            return
         start = perf_counter()
         stamp = message.header.stamp
         if self._awaited and not self._settings.articulations.finds_rest:
@@ -244,6 +251,26 @@ class MuscleStatePublisher(Node):
             return
         for muscle in self._muscles:
             start = muscle.answer(stamp, angles, speeds, start)
+
+    def _answer_frame(self, number: int, frame: Frame, start: float) -> None:
+        """Let a muscle answer the poses of its bones."""
+        muscle, reading = self._muscles[number], self._settings.sources[number].reading
+        stamp = Time(sec=frame.stamp // 10**9, nanosec=frame.stamp % 10**9)
+        if reading is None or frame.poses is None:
+            muscle.answer(stamp, frame.angles, None, start)
+            return
+        try:
+            measured = reading.read_poses(frame.poses[np.newaxis])
+        except LinkedPlaneError as error:
+            self._reject_frame(number, Rejected('no_angles', str(error)), start)
+            return
+        if self._settings.sources[number].skeleton:
+            muscle.tally.take_misfit(float(measured.turn[0]), float(measured.shift[0]))
+        muscle.answer(stamp, tuple(measured.values[0].tolist()), None, start, measured)
+
+    def _reject_frame(self, number: int, error: Rejected, start: float) -> None:
+        self._muscles[number].reject(error, start)
+        self.get_logger().warning(f'pose not used: {error}', throttle_duration_sec=THROTTLE)
 
     def _reject_waiting(self, start: float) -> None:
         """Count a message that came too early; the log has said once for what the node waits."""
@@ -308,9 +335,11 @@ class MuscleStatePublisher(Node):
     def _report(self) -> None:
         """Once a second: log what is odd, serve new viewers, publish the diagnostics."""
         self._log_others()
+        self._frames.log_lacking()
         self._drop_candidate()
         of_input = qos.describe_incompatible_peers(self, self._input)
         of_input += self._description.describe_incompatible_peers()
+        of_input += self._frames.describe_incompatible_peers()
         lines = list(of_input)
         for muscle in self._muscles:
             lines += muscle.check_peers(of_input)[len(of_input) :]
@@ -325,9 +354,10 @@ class MuscleStatePublisher(Node):
         for muscle in self._muscles:
             muscle.republish_markers()
         ages = self._memory.find_ages(self._read_clock())
-        unseen = self._memory.find_unseen()
-        for muscle in self._muscles:
+        unseen = [] if self._settings.sources else self._memory.find_unseen()
+        for number, muscle in enumerate(self._muscles):
             muscle.tally.unseen = unseen
+            muscle.tally.lacking = self._frames.describe_lacking(number)
         array = DiagnosticArray(status=[muscle.build_status(ages) for muscle in self._muscles])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)

@@ -23,10 +23,12 @@ from ..joints.articulation import PRISMATIC, Articulation
 from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
+from ..processing.lengthening import LengthRates
+from ..skeleton.measured import MeasuredBones
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.moment_bounds import moment_arm_bounds
 from ..solver.states import Answer, MuscleState
-from ..types import JointValues
+from ..types import Floats, JointValues
 from . import qos
 from .diagnostics import STALE_AFTER, Tally, build_status
 from .markers import MuscleMarkers
@@ -98,6 +100,7 @@ class MuscleOutputs:
         self._settings, self._solver, self._logger = settings, solver, logger
         moved = settings.articulations
         self._moved_by, self._still = moved_by, (0.0,) * len(moved.coordinates)
+        self._rates = LengthRates()
         self._cleared = False
         self.tally.last_state = None  # that of other settings
         self._markers = MuscleMarkers(
@@ -149,7 +152,12 @@ class MuscleOutputs:
             )
 
     def answer(
-        self, stamp: Time, angles: JointValues, speeds: JointValues | None, start: float
+        self,
+        stamp: Time,
+        angles: JointValues,
+        speeds: JointValues | None,
+        start: float,
+        measured: MeasuredBones | None = None,
     ) -> float:
         """Publish the state at given values, or log why there is none.
 
@@ -163,6 +171,8 @@ class MuscleOutputs:
             Their speeds, rad/s or m/s; None if the input has no velocities.
         start
             When the work on this input began, s, on the clock of perf_counter.
+        measured
+            Where the bones are, if that was measured; else the values say it.
 
         Returns
         -------
@@ -174,10 +184,11 @@ class MuscleOutputs:
         tally.received += 1
         tally.last_arrival = start
         try:
-            answer, messages = self._solve(stamp, angles, speeds, start)
+            answer, messages = self._solve(stamp, angles, speeds, start, measured)
         except Rejected as error:
             self._count_rejection(error)
-            self._logger.warning(f'joint state not used: {error}', throttle_duration_sec=THROTTLE)
+            what = 'joint state' if measured is None else 'pose'
+            self._logger.warning(f'{what} not used: {error}', throttle_duration_sec=THROTTLE)
             return perf_counter()
         topics, state = self.topics, answer.state
         for name, message in messages.items():
@@ -199,15 +210,22 @@ class MuscleOutputs:
         return end
 
     def _solve(
-        self, stamp: Time, angles: JointValues, speeds: JointValues | None, start: float
+        self,
+        stamp: Time,
+        angles: JointValues,
+        speeds: JointValues | None,
+        start: float,
+        measured: MeasuredBones | None,
     ) -> tuple[Answer, Mapping[str, Any]]:
         """Return the answer and the message of each topic; Rejected if it cannot be published."""
         try:
-            answer = self._solver.answer(self._moved_by, angles, speeds or self._still)
+            answer = self._solver.answer(measured or self._moved_by, angles, speeds or self._still)
         except LinkedPlaneError as error:
             raise Rejected('no_plane', str(error)) from None
         self.tally.solve_times.append(perf_counter() - start)
         lengthening = None if speeds is None else answer.lengthening
+        if measured is not None:
+            lengthening = self._differentiate(stamp, answer.state)
         messages = self._answers.update(stamp, answer.state, answer.moment_arms, lengthening)
         vectors = answer.state.moment_vectors
         lever = float(np.vdot(vectors, vectors))  # m^2; while it is small, none is beyond
@@ -229,6 +247,12 @@ class MuscleOutputs:
             f'{value:.6g} m' if kind == PRISMATIC else f'{math.degrees(value):.6g} deg'
             for value, kind in zip(values, kinds, strict=True)
         )
+
+    def _differentiate(self, stamp: Time, state: MuscleState) -> Floats | None:
+        """Return how fast bands have grown since the pose before; None if there is none."""
+        stamps = np.array([stamp.sec * 10**9 + stamp.nanosec], dtype=np.int64)
+        [rates] = self._rates.take(stamps, state.lengths[np.newaxis])
+        return rates if np.isfinite(rates).all() else None
 
     def _is_wanted(self, topic: str) -> bool:
         """Return whether somebody may read a topic; a latched one is kept for those to come."""
@@ -272,7 +296,7 @@ class MuscleOutputs:
             'scale': settings.scale,
             'side': side,
             **settings.articulations.facts,
-            'joints': ', '.join(settings.joints.names),
+            **({} if settings.sources else {'joints': ', '.join(settings.joints.names)}),
             'compiled': 'yes' if COMPILED else 'no',
         }
         return build_status(

@@ -94,9 +94,10 @@ class ParameterSpec:
 
     def _check_list(self, value: Any, joints: int | None) -> Value:
         items = list(value) if is_list(value) else [value]
-        if self.name == 'bone_links':
+        if self.name in ('bone_links', 'rest_frames'):
             if not items or not all(isinstance(item, str) for item in items):
-                raise self._fault(value, 'a list of BONE:=LINK')
+                entry = 'BONE:=LINK' if self.name == 'bone_links' else '[BONE:=]WHERE'
+                raise self._fault(value, f'a list of {entry}')
             return items
         each = 'a list of' if joints is None else str(joints)
         right = len(items) == (joints or len(items))
@@ -161,6 +162,29 @@ SPECS = (
         choices=tuple(JOINT_CONVENTIONS),
     ),
     ParameterSpec(
+        'input',
+        'joint_states',
+        'What moves the bones: joint states, or the poses of the bones in `/tf` and `/tf_static`, '
+        'as frames of their names, or as `bone_links` says.',
+        choices=('joint_states', 'tf'),
+    ),
+    ParameterSpec(
+        'rest_frames',
+        [''],
+        "With `input: tf`, where the bones' frames stand at the muscle's rest, for all or as "
+        "`BONE:=...`: `coincide` (with the ground bone's), `first` (as when they first come), "
+        "`X,Y,Z,ROLL,PITCH,YAW` in the ground bone's frame (m, rad), or as the links of a "
+        "skeleton; empty: the `skeleton`'s links, else `coincide`, or `first` with a warning if "
+        'one begins more than 50 mm away.',
+    ),
+    ParameterSpec(
+        'frame_axes',
+        'model',
+        "With `input: tf`, the axes of the bones' frames: x to the body's right, y anterior, "
+        'z superior (`model`), or x anterior, y superior, z to the right (`isb`).',
+        choices=('model', 'isb'),
+    ),
+    ParameterSpec(
         'skeleton',
         '',
         'The chain of joints that moves the bones, in place of the convention: a bundled one '
@@ -170,9 +194,9 @@ SPECS = (
     ParameterSpec(
         'bone_links',
         [''],
-        "With a skeleton: the links of the muscle's bones that are not named as the bones, a list "
-        "of `BONE:=LINK`; `LINK@X,Y,Z,ROLL,PITCH,YAW` (m, rad) where the bone's frame is not the "
-        "link's.",
+        "With a skeleton, or `input: tf`: the links, or frames, of the muscle's bones that are not "
+        'named as the bones, a list of `BONE:=LINK`; `LINK@X,Y,Z,ROLL,PITCH,YAW` (m, rad) where '
+        "the bone's frame is not the link's.",
     ),
     ParameterSpec(
         'rhythm',

@@ -13,8 +13,10 @@ from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..joints.frame_names import check_frame_name
 from ..joints.joint_state import FULL_CIRCLE, JointMap
 from ..muscle.broad_muscle import BroadMuscle
+from ..processing.motion_source import MotionSource
 from ..skeleton.joint_tree import list_names
 from ..solver.linked_plane_solver import LinkedPlaneSolver
+from .articulated_frames import TF_INPUT, articulate_frames
 from .articulations import NOTHING, Articulations, Received, articulate, check_combination
 from .parameters import SPECS
 
@@ -33,6 +35,8 @@ class Settings:
     convention: JointConvention
     articulations: Articulations
     """What moves the bones."""
+    sources: tuple[MotionSource, ...]
+    """How the poses in /tf move each muscle's bones; none where joint states do."""
     joints: JointMap
     joint_timeout: float
     """s; 0: for ever."""
@@ -50,7 +54,7 @@ class Settings:
             if self.scale != '1':
                 yield f'scale {self.scale} is of the muscle; the skeleton stays as its URDF has it'
             return
-        if self.convention.caution and 'rhythm' not in facts:
+        if self.convention.caution and 'rhythm' not in facts and not self.sources:
             yield self.convention.caution
         if held := facts.get('bones held at rest'):
             last = self.solvers[0].bones[-1]
@@ -88,7 +92,11 @@ def _build_settings(
 ) -> Settings:
     muscles, left_out = load_muscles(list_muscles(checked['muscle']), checked['scale'], may_fail)
     solvers = tuple(LinkedPlaneSolver(muscle, checked['side']) for muscle in muscles)
-    articulations = articulate(checked, solvers, received)
+    sources: tuple[MotionSource, ...] = ()
+    if checked['input'] == TF_INPUT:
+        articulations, sources = articulate_frames(checked, solvers, received)
+    else:
+        articulations = articulate(checked, solvers, received)
     still = (0.0,) * len(articulations.coordinates)
     for solver, moved_by in zip(solvers, articulations.moved_by, strict=False):
         solver.answer(moved_by, still, still)  # compiled before it is needed
@@ -98,6 +106,7 @@ def _build_settings(
         scale=checked['scale'],
         convention=JOINT_CONVENTIONS[checked['joint_convention']],
         articulations=articulations,
+        sources=sources,
         joints=map_joints(checked, articulations),
         joint_timeout=checked['joint_timeout'],
         frame_id=checked['frame_id'],

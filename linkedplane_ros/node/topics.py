@@ -29,6 +29,20 @@ ROBOT_DESCRIPTION = Topic(
     depth=1,
     latched=True,
 )
+TF = Topic(
+    '/tf',
+    'tf2_msgs/msg/TFMessage',
+    'Where the parameter `input` is `tf`: the frames of the bones, in place of joint states. All '
+    'of a stamp are answered together, once; the newest of a frame that is slower counts.',
+    depth=100,
+)
+TF_STATIC = Topic(
+    '/tf_static',
+    'tf2_msgs/msg/TFMessage',
+    'With `/tf`: frames that hold for all times, in one tree with the others.',
+    depth=100,
+    latched=True,
+)
 CLOCK = Topic(
     '/clock',
     'rosgraph_msgs/msg/Clock',

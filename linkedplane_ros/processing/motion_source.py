@@ -44,7 +44,9 @@ class MotionSource:
         return self.moved_by.coordinates
 
 
-def choose_motion_source(options: Options, solver: LinkedPlaneSolver) -> MotionSource:
+def choose_motion_source(
+    options: Options, solver: LinkedPlaneSolver, skeleton: Skeleton | None = None
+) -> MotionSource:
     """Return how a recording moves the bones of a muscle, as the options say.
 
     Raises
@@ -53,8 +55,7 @@ def choose_motion_source(options: Options, solver: LinkedPlaneSolver) -> MotionS
         For a bone without a frame, a skeleton that does not suit, and numbers of joints that do
         not.
     """
-    skeleton = None
-    if options.skeleton is not None:
+    if skeleton is None and options.skeleton is not None:
         skeleton = Skeleton.load(options.skeleton)
     frames = options.list_frames(solver.bones)
     if frames is None:

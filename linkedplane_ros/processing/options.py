@@ -172,7 +172,7 @@ class Options:
         }
         given = {bone: name for bone, name in named.items() if name is not None}
         if self.input == 'tf':
-            needed = ('thorax', 'humerus') if self.follows else bones
+            needed = ('thorax', 'humerus') if self.follows else (*bones, *self.links)
             links = {bone: self.links.get(bone, bone) for bone in needed}
             if self.skeleton is not None:  # LINK@PLACE says where the bone stands in it
                 links = {bone: link.partition('@')[0] for bone, link in links.items()}
