@@ -254,8 +254,13 @@ def test_wrenches_of_a_rotation_alone_are_those_of_the_bones() -> None:
     assert state.wrenches.shape == (9, 1, 6)
     np.testing.assert_allclose(state.wrenches[:, 0, :3], state.moment_vectors, atol=1e-13)
     assert state.poses['humerus'][0].tobytes() == rotation.tobytes()
-    batch = BALL.solve_batch(rotation[np.newaxis])
+    assert state != BALL.solve_bones({'humerus': (rotation, ZERO)})
+    batch = BALL.solve_batch([rotation, EYE])
+    assert batch.wrenches.shape == (2, 9, 1, 6)
     assert batch.wrenches[0].tobytes() == state.wrenches.tobytes()
+    R, t = batch.poses['humerus']
+    assert (R.shape, t.shape) == ((2, 3, 3), (2, 3))
+    assert R[0].tobytes() == rotation.tobytes()
 
 
 def test_the_left_girdle_is_the_mirror_image_of_the_right() -> None:
@@ -340,6 +345,7 @@ REFUSED: list[tuple[Any, str]] = [
     ({'humerus': 'up'}, "humerus: 'up' given, a rotation (3, 3) and a shift (3,) expected"),
     ({'humerus': (EYE[:2], ZERO)}, 'humerus: rotation: shape (2, 3) given, (3, 3) expected'),
     ({'clavicle': (EYE, ZERO[:2])}, 'clavicle: shift: shape (2,) given, (3,) expected'),
+    ({'clavicle': (EYE, np.zeros((3, 1)))}, 'clavicle: shift: shape (3, 1) given, (3,) expected'),
     ({'clavicle': (EYE, [None] * 3)}, 'clavicle: shift: not an array of numbers'),
     ({'clavicle': (1.1 * EYE, ZERO)}, 'clavicle: R^T R is not the identity within 1e-06'),
     ({'humerus': (-EYE, ZERO)}, 'humerus: its determinant is -1, a reflection'),
