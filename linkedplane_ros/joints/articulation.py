@@ -8,6 +8,7 @@ the bones by a chain of joints, and a shoulder rhythm, where bones follow that n
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -85,9 +86,8 @@ def as_values(name: str, values: npt.ArrayLike, moved_by: Articulation, per: str
     """
     d = len(moved_by.coordinates)
     try:
-        numbers = np.asarray(values)
-        if numbers.shape == (d,) and numbers.dtype.kind in 'fiu' and np.isfinite(numbers).all():
-            return numbers.astype(np.float64)
+        if len(values) == d and all(map(isfinite, values)):  # type: ignore[arg-type]
+            return np.array(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         pass
     unit = name_unit(moved_by.kinds)

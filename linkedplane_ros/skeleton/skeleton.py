@@ -375,15 +375,20 @@ class Skeleton:
         SkeletonError
             For other bones, and anything but finite numbers (m, d).
         """
+        self.pack_for(bones)
+        moved = self._move(self._as_values(values, 'values', batch=True))
+        if (self.side or side) == 'left':
+            return MovedBones(mirror_poses(moved.poses), mirror_screws(moved.screws))
+        return moved
+
+    def pack_for(self, bones: Sequence[str]) -> Chain:
+        """Return the chain as the kernels take it; SkeletonError unless it has a muscle's bones."""
         if tuple(bones) != self.bones:
             raise self.tree.fault(
                 f'for the bones {list_names(self.bones)}, the muscle has {list_names(bones)}; '
                 'skeleton.for_bones(solver.bones) is for these'
             )
-        moved = self._move(self._as_values(values, 'values', batch=True))
-        if (self.side or side) == 'left':
-            return MovedBones(mirror_poses(moved.poses), mirror_screws(moved.screws))
-        return moved
+        return self._chain
 
     def _as_values(self, q: npt.ArrayLike, name: str = 'q', batch: bool = False) -> Floats:
         """Return values (d,), or (m, d), of the coordinates; an error but for finite numbers."""

@@ -11,10 +11,12 @@ from ..errors import LinkedPlaneError
 from ..joints.articulation import Articulation, rotated_poses
 from ..joints.rotations import FAULTS, PROPER, matrix_rows, rotation_fault
 from ..joints.sides import AXIS_SIGN, mirror_axes, mirror_points, mirror_screws
+from ..skeleton.skeleton import Skeleton
 from ..types import Floats
 from .batches import run_kernel
+from .bone_kernels import answer_bone_poses, answer_chain, solve_bone_poses
 from .faults import describe_pose_fault
-from .kernels import NO_PLANE, SOLVED, answer_bone_poses, solve_bone_poses
+from .kernels import NO_PLANE, SOLVED
 from .results import PosedBones
 from .states import Answer, AnswerBatch, MuscleState, MuscleStates
 
@@ -62,27 +64,22 @@ def answer_over_bones(
     solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats, speeds: Floats
 ) -> Answer:
     """Return `LinkedPlaneSolver.answer` at values (d,) of whatever moves the bones."""
-    poses, screws = moved_by.move_bones(values[np.newaxis], solver.bones, solver.side)
-    n, k = len(solver.muscle.band_names), len(solver.bones) - 1
+    n, k, d = len(solver.muscle.band_names), len(solver.bones) - 1, len(values)
     theta, lengths, filled = np.empty(1), np.empty((1, n)), np.empty((1, 2 * k, 3 * n))
     wrap, one_sided = np.empty((1, n), dtype=np.uint8), np.empty((1, n), dtype=bool)
-    wrenches, arms, lengthening = np.empty((n, k, 6)), np.empty((n, len(values))), np.empty(n)
-    _, fault, number = answer_bone_poses(
-        solver.flat_bones,
-        solver.neutral,
-        poses,
-        screws,
-        speeds,
-        AXIS_SIGN[solver.side],
-        theta,
-        lengths,
-        filled,
-        wrap,
-        one_sided,
-        wrenches,
-        arms,
-        lengthening,
-    )
+    wrenches, arms, lengthening = np.empty((n, k, 6)), np.empty((n, d)), np.empty(n)
+    results = theta, lengths, filled, wrap, one_sided, wrenches, arms, lengthening
+    given, mirror = (solver.flat_bones, solver.neutral), AXIS_SIGN[solver.side]
+    if isinstance(moved_by, Skeleton):  # in one call, for it is timed
+        chain = moved_by.pack_for(solver.bones)
+        poses, screws = np.empty((1, k, 3, 4)), np.empty((1, d, k, 6))
+        own = AXIS_SIGN[moved_by.side or solver.side]
+        _, fault, number = answer_chain(
+            *given, *chain, values[np.newaxis], speeds, mirror, own, poses, screws, *results
+        )
+    else:
+        poses, screws = moved_by.move_bones(values[np.newaxis], solver.bones, solver.side)
+        _, fault, number = answer_bone_poses(*given, poses, screws, speeds, mirror, *results)
     if fault != SOLVED:
         raise LinkedPlaneError(describe_fault(solver, fault, number, ''))
     state = MuscleState(
