@@ -32,7 +32,6 @@ def articulate_frames(
     if STILL_SECOND in checked['rest']:
         given = describe_value(checked['rest'])
         raise LinkedPlaneError(f'parameter rest: {given} given with input tf; numbers expected')
-    tf_message_class()
     name, skeleton = checked['skeleton'], None
     facts = {'input': '/tf, /tf_static'}
     if name == BY_TOPIC:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from builtin_interfaces.msg import Time
 from rclpy.serialization import serialize_message
 
+from .articulated_frames import tf_message_class
 from .markers import MuscleMarkers
 from .messages import Answers
 from .settings import Settings, refusals
@@ -21,6 +22,8 @@ def rehearse(settings: Settings) -> None:
 
     """
     with refusals('parameters'):
+        if settings.sources:
+            tf_message_class()
         moved = settings.articulations
         still = (0.0,) * len(moved.coordinates)
         for solver, moved_by in zip(settings.solvers, moved.moved_by, strict=False):

@@ -85,9 +85,9 @@ class PostureSearch:
         bounded = np.isfinite(lower) & np.isfinite(upper)
         turning = np.array([kind != PRISMATIC for kind in self.skeleton.kinds], dtype=bool)
         middle = np.clip(0.0, lower, upper)
-        middle[bounded] = 0.5 * (lower + upper)[bounded]
+        middle[bounded] = 0.5 * (lower[bounded] + upper[bounded])
         reach = np.where(turning, 1.5, 0.1)
-        reach[bounded] = 0.35 * (upper - lower)[bounded]
+        reach[bounded] = 0.35 * (upper[bounded] - lower[bounded])
         moving = set(self.skeleton.moving)
         idle = np.array([name not in moving for name in self.skeleton.coordinates], dtype=bool)
         middle[idle], reach[idle] = np.clip(0.0, lower, upper)[idle], 0.0
@@ -121,7 +121,15 @@ class PostureSearch:
             chosen = np.isin(poor, better)
             values[better], cost[better] = others[chosen], costs[chosen]
             postures = self._compare(poses, values)
-        return postures
+        return postures._replace(values=self._within_a_turn(values))
+
+    def _within_a_turn(self, values: Floats) -> Floats:
+        """Return values with those of joints that may turn on for ever in [-pi, pi)."""
+        lower, upper = self._box
+        endless = np.array([kind != PRISMATIC for kind in self.skeleton.kinds], dtype=bool)
+        endless &= np.isinf(lower) & np.isinf(upper)
+        turned = (values + np.pi) % (2.0 * np.pi) - np.pi
+        return np.where(endless, turned, values)
 
     def _compare(self, poses: Floats, values: Floats) -> Postures:
         moved = self.skeleton.move_bones(values, self.bones, self.side).poses
