@@ -14,6 +14,7 @@ from reference import Array
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle, LinkedPlaneSolver
 from linkedplane_ros.commands.main import main
+from linkedplane_ros.solver import range_check
 from linkedplane_ros.solver.interference import depths
 from linkedplane_ros.solver.range_check import DEFAULT_RANGE, check_model
 from linkedplane_ros.solver.report import model_report
@@ -40,6 +41,21 @@ def test_but_for_the_bones_the_published_deltoid_has_nothing_to_warn_of() -> Non
     assert look.warnings == ()
     assert look.poses == 9 * 7 * 5
     assert look.range_of_motion == DELTOID.range_of_motion
+
+
+def test_a_jump_is_searched_for_only_where_moment_arms_do_not_predict_the_change(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    solved, searched = range_check.solve_lengths, []
+
+    def count(solver: LinkedPlaneSolver, *angles: Array) -> Array:
+        searched.append(len(angles[0]))
+        return solved(solver, *angles)
+
+    monkeypatch.setattr(range_check, 'solve_lengths', count)
+    check_model(BONELESS)
+    assert len(searched) == range_check.HALVINGS + 1
+    assert max(searched) < 0.05 * 3 * 315  # of about three pairs for each pose
 
 
 def test_bands_that_enter_bone_are_told_with_their_depth() -> None:

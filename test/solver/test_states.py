@@ -17,6 +17,7 @@ DELTOID = BroadMuscle.load('deltoid')
 RIGHT, LEFT = (LinkedPlaneSolver(DELTOID, side=side) for side in ('right', 'left'))
 STATES = RIGHT.solve_batch(POSES[:10])
 ANSWER = RIGHT.answer(JOINT_CONVENTIONS['isb_yxy'], (0.4, 0.9, 0.1), (0.1, 0.2, 0.3))
+ANSWERS = RIGHT.answer_batch(JOINT_CONVENTIONS['isb_yxy'], [(0.4, 0.9, 0.1)], [(0.1, 0.2, 0.3)])
 FIELDS = ('theta', 'lengths', 'moment_vectors', 'wrap', 'one_sided', 'rotation')
 
 both_sides = pytest.mark.parametrize('solver', [RIGHT, LEFT], ids=['right', 'left'])
@@ -62,7 +63,7 @@ def test_what_is_no_index_of_a_pose_is_an_index_error(index: Any) -> None:
 
 @pytest.mark.parametrize(
     'result', [STATES, STATES[3], STATES[2:5], STATES[[1, 2]], RIGHT.solve(POSES[0]), ANSWER,
-               ANSWER.state], ids=lambda result: type(result).__name__,
+               ANSWER.state, ANSWERS], ids=lambda result: type(result).__name__,
 )  # fmt: skip
 def test_results_are_read_only(result: Any) -> None:
     for each in (result, pickle.loads(pickle.dumps(result))):
