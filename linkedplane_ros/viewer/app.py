@@ -7,6 +7,7 @@ import asyncio
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import viser
@@ -14,7 +15,7 @@ import viser
 from ..errors import LinkedPlaneError
 from ..types import Floats
 from .names import short_name
-from .newest import MuscleInfo, Values, group_by_arm
+from .newest import MuscleInfo, Values, group_by_arm, match_coordinate
 from .node import ViewerNode
 from .panels.muscle import MusclePanel
 from .panels.plots import Plots
@@ -88,7 +89,7 @@ class Viewer:
             info = muscles[prefix]
             with tabs.add_tab(title) if tabs else gui.add_folder(title):
                 self._panels[prefix] = MusclePanel(
-                    gui, info, self._make_mover(info), lambda: self._coordinate
+                    gui, info, self._make_mover(info), partial(self._find_coordinate, info, first)
                 )
         look = Look(gui, first)
         pages = gui.add_tab_group()
@@ -108,9 +109,10 @@ class Viewer:
         for prefix, info in muscles.items():
             self._scenes[prefix].place_shoulder(info.side, len(names))
 
-    @property
-    def _coordinate(self) -> int:
-        return self._look.coordinate if self._look else 0
+    def _find_coordinate(self, info: MuscleInfo, first: MuscleInfo) -> int:
+        """Return the number of a muscle's coordinate that a person has chosen; 0 if it has none."""
+        chosen = self._look.coordinate if self._look else 0
+        return match_coordinate(info, first, chosen) or 0
 
     def _make_mover(self, info: MuscleInfo) -> Callable[[Floats, Floats], bool]:
         return lambda angles, speeds: self._node.move_arm(info, angles, speeds)
@@ -160,7 +162,7 @@ class Viewer:
                 bands_table_html(
                     info,
                     newest[prefix],
-                    self._look.coordinate,
+                    self._find_coordinate(info, next(iter(muscles.values()))),
                     interfering_bands(self._markers.get(prefix, {})),
                 )
                 for prefix, info in muscles.items()
@@ -183,7 +185,7 @@ class Viewer:
         look, markers = self._look, self._markers.get(prefix)
         if markers is None:
             markers = self._rest.find_markers(prefix, info)
-        hidden, colours = look.hidden, look.band_colours(look.band_values(prefix, newest))
+        hidden, colours = look.hidden, look.band_colours(look.band_values(prefix, info, newest))
         paint = None if colours is None else [each.tolist() for each in colours.values()]
         key = hidden, look.axes, id(markers), paint
         if messages or key != self._colours.get(prefix):

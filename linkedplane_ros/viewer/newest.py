@@ -3,28 +3,45 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from threading import Event, RLock
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import ModelError
+from ..errors import LinkedPlaneError, ModelError, SkeletonError
+from ..joints.articulation import PRISMATIC, REVOLUTE
 from ..joints.conventions import JOINT_CONVENTIONS, THESIS_CONVENTION, JointConvention
 from ..joints.joint_state import JointMap
 from ..muscle.broad_muscle import BroadMuscle
+from ..node.articulations import Articulations
+from ..node.settings import NONE, ONES, map_joints
+from ..skeleton.skeleton import Skeleton, parse_bone_links
 from ..types import Floats, Intervals
+from .names import short_name
 
 MARKERS_KEPT = 10  # messages: one that clears and those after it stay together
 
 
+class Unit(NamedTuple):
+    """What a coordinate is shown in."""
+
+    name: str
+    size: float
+    """In rad or m."""
+
+
+DEGREE, MILLIMETRE = Unit('deg', math.pi / 180.0), Unit('mm', 1e-3)
+
+
 @dataclass(frozen=True)
 class MuscleInfo:
-    """What is known of a muscle besides its states."""
+    """What is known of a muscle besides its states; d coordinates move it."""
 
     coordinates: tuple[str, ...]
     bands: tuple[str, ...]
@@ -36,9 +53,22 @@ class MuscleInfo:
     heads: tuple[tuple[str, int], ...] = ()
     """Each head and the band that represents it."""
     motion: Intervals | None = None
-    """The model's range of flexion, abduction and rotation, rad."""
-    model: BroadMuscle | None = None
-    """The model at the subject's size; None if it cannot be loaded here."""
+    """The model's range of flexion, abduction and rotation, rad; None where it is not that of the
+    coordinates."""
+    skeleton: Skeleton | None = None
+    """What has the coordinates, if no convention has."""
+    obstacle: str = ''
+    """Why it can be shown, but not moved."""
+    name: str = ''
+    """The muscle's."""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    """Those of its node, as far as they are known."""
+
+    @property
+    def units(self) -> tuple[Unit, ...]:
+        """In which each coordinate is shown."""
+        kinds = self.joints.kinds or (REVOLUTE,) * len(self.coordinates)
+        return tuple(MILLIMETRE if kind == PRISMATIC else DEGREE for kind in kinds)
 
     @staticmethod
     def from_parameters(
@@ -62,59 +92,120 @@ class MuscleInfo:
         muscle_name
             That in its topics; it says which of the node's muscles it is.
 
+        Raises
+        ------
+        LinkedPlaneError
+            For coordinates that are not those of the node's convention or skeleton.
+
         """
         conventions = JOINT_CONVENTIONS
         alike = [each for each in conventions.values() if each.coordinates == coordinates]
         default = [*alike, THESIS_CONVENTION][0]
         convention = conventions.get(node_parameters.get('joint_convention', ''), default)
-        coordinates = coordinates or convention.coordinates
-        names = [name for name in node_parameters.get('joint_names', ()) if name]
-        joints = JointMap(
-            unpack_three(names or coordinates),
-            unpack_three(node_parameters.get('joint_signs', (1.0, 1.0, 1.0))),
-            unpack_three(node_parameters.get('joint_offsets', (0.0, 0.0, 0.0))),
-        )
+        models = load_models(node_parameters.get('muscle', 'deltoid'))
+        moved, skeleton, obstacle = find_mover(node_parameters, convention, coordinates, models)
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
-        model = find_model(node_parameters.get('muscle', 'deltoid'), muscle_name, bands)
+        model = find_model(models, muscle_name, bands)
         if model is not None:
             bands = model.band_names
             heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
-            motion = model.range_of_motion
+            motion = None if node_parameters.get('rhythm') else model.range_of_motion
         return MuscleInfo(
-            coordinates,
+            moved.coordinates,
             bands,
             convention,
-            joints,
+            map_joints(
+                {
+                    'joint_names': [
+                        name for name in node_parameters.get('joint_names', ()) if name
+                    ],
+                    'joint_signs': list(node_parameters.get('joint_signs', ONES)),
+                    'joint_offsets': list(node_parameters.get('joint_offsets', NONE)),
+                },
+                moved,
+            ),
             joint_topic,
             node_parameters.get('side', 'right'),
             heads,
             motion,
-            scale_model(model, node_parameters.get('scale', '1')),
+            skeleton,
+            obstacle,
+            muscle_name,
+            node_parameters,
         )
 
 
-def find_model(given: str | Sequence[str], name: str, bands: tuple[str, ...]) -> BroadMuscle | None:
-    """Return the model of a muscle among those of its node: by its name, or else by its bands.
+def find_mover(
+    parameters: Mapping[str, Any],
+    convention: JointConvention,
+    labelled: tuple[str, ...],
+    models: Sequence[BroadMuscle],
+) -> tuple[Articulations, Skeleton | None, str]:
+    """Return what moves the bones: its coordinates, the skeleton, and why it is not moved here.
 
-    None if it cannot be loaded here, or has other bands; none in `bands` are those of any model.
+    Parameters
+    ----------
+    parameters
+        The node's.
+    convention
+        Its joint convention, which a skeleton replaces.
+    labelled
+        The coordinates by the labels of the arrays; empty before the first answer.
+    models
+        The node's muscles.
+
     """
-    texts = [given] if isinstance(given, str) else given
+    name = parameters.get('skeleton', '')
+    if not name:
+        coordinates = labelled or convention.coordinates
+        if len(coordinates) != len(convention.coordinates):
+            raise LinkedPlaneError(f'{len(coordinates)} coordinates of a convention of 3')
+        return Articulations(coordinates=coordinates, kinds=convention.kinds), None, ''
+    try:
+        skeleton = Skeleton.load(name)
+        links = parse_bone_links(filter(None, parameters.get('bone_links', ())))
+        moving = {
+            joint
+            for model in models
+            for joint in skeleton.for_bones(
+                model.bones.names,
+                {bone: link for bone, link in links.items() if bone in model.bones.names},
+            ).moving
+        }
+    except SkeletonError:
+        if not labelled:
+            line = f'skeleton {short_name(name)} is not known here before it has moved'
+            raise LinkedPlaneError(line) from None
+        obstacle = f'its skeleton, {short_name(name)}, is not known here: it is shown, not moved'
+        return Articulations(coordinates=labelled), None, obstacle
+    coordinates = skeleton.coordinates
+    if labelled not in ((), coordinates):
+        raise LinkedPlaneError(f'its coordinates are not those of skeleton {short_name(name)}')
+    idle = frozenset(coordinates) - moving if models else frozenset()
+    return Articulations((), coordinates, skeleton.kinds, idle), skeleton, ''
+
+
+def load_models(given: str | Sequence[str]) -> list[BroadMuscle]:
+    """Return the models of a node's muscles that can be loaded here."""
     models = []
-    for text in texts:
+    for text in [given] if isinstance(given, str) else given:
         with suppress(ModelError):
             models.append(BroadMuscle.load(text))
+    return models
+
+
+def find_model(
+    models: Sequence[BroadMuscle], name: str, bands: tuple[str, ...]
+) -> BroadMuscle | None:
+    """Return the model of a muscle among those of its node: by its name, or else by its bands.
+
+    None if none has these bands; none in `bands` are those of any model.
+    """
     fitting = [model for model in models if bands in ((), model.band_names)]
     named = [model for model in fitting if model.name == name]
-    if named or bands or len(texts) == 1:
+    if named or bands or len(models) == 1:
         return next(iter(named or fitting), None)
-    return None
-
-
-def scale_model(model: BroadMuscle | None, scale: Any) -> BroadMuscle | None:
-    """Return a model at the scale of its node; None if it cannot be scaled here."""
-    with suppress(ModelError):
-        return model and model.scaled(scale)
     return None
 
 
@@ -126,10 +217,15 @@ def group_by_arm(muscles: Mapping[str, MuscleInfo]) -> list[list[str]]:
     return list(arms.values())
 
 
-def unpack_three(items: Sequence[Any]) -> Any:
-    """Return three items as a tuple."""
-    first, second, third = items
-    return first, second, third
+def match_coordinate(info: MuscleInfo, other: MuscleInfo, number: int) -> int | None:
+    """Return which of a muscle's coordinates stands for a number of another's.
+
+    The same one where both have as many, as conventions do; else that of its name, if there is one.
+    """
+    if len(info.coordinates) == len(other.coordinates):
+        return number
+    name = other.coordinates[number]
+    return info.coordinates.index(name) if name in info.coordinates else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,13 +235,13 @@ class Values:
     lengths: Floats | None = None
     """(n,) m."""
     arms: Floats | None = None
-    """(n, 3) m."""
+    """(n, d) m; about prismatic coordinates without a unit."""
     wrap: npt.NDArray[np.uint8] | None = None
     """(n,)"""
     angles: Floats | None = None
-    """(3,) rad: the newest."""
+    """(d,) rad or m: the newest."""
     pose: Floats | None = None
-    """(3,) rad: the angles of lengths and arms; None if they were missed."""
+    """(d,) rad or m: those of lengths and arms; None if they were missed."""
     answered: int = 0
     """The number of states so far."""
     present: bool = False
@@ -175,7 +271,7 @@ class NewestState:
         self._fresh.set()
 
     def add_answer(self, messages: Sequence[bytes], pose: Floats | None, **values: Any) -> None:
-        """Add a state: its markers, its values and the angles (3,), rad, that it belongs to."""
+        """Add a state: its markers, its values and the coordinates (d,) that it belongs to."""
         with self._lock:
             self.update(messages, pose=pose, answered=self._values.answered + 1, **values)
 

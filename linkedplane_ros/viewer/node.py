@@ -84,7 +84,7 @@ class ViewerNode(Node):
             reader.on_parameter_event(event)
 
     def move_arm(self, info: MuscleInfo, angles: Floats, speeds: Floats) -> bool:
-        """Publish angles (3,), rad, and speeds (3,), rad/s, of a muscle as a joint state.
+        """Publish coordinates (d,), rad or m, and speeds (d,), of a muscle as a joint state.
 
         Returns
         -------
@@ -92,7 +92,7 @@ class ViewerNode(Node):
             Whether they were published.
 
         """
-        if not np.isfinite((angles, speeds)).all():
+        if info.obstacle or not np.isfinite((angles, speeds)).all():
             return False
         joints = info.joints
         signs = np.array(joints.signs)

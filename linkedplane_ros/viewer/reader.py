@@ -22,6 +22,7 @@ from visualization_msgs.msg import MarkerArray
 
 from ..errors import escape_controls
 from ..joints.joint_state import JointMemory, Rejected
+from ..node.parameters import NAMES
 from ..processing.topics import read_label
 from ..recordings.bags.topics import JOINT_STATE
 from ..types import Floats
@@ -30,15 +31,7 @@ from .newest import MARKERS_KEPT, MuscleInfo, NewestState
 
 MOST_BANDS = 1000  # a label with more names is not one of a muscle
 POSES_KEPT = 64  # joint states, to find the pose of an answer
-PARAMETERS = (
-    'muscle',
-    'scale',
-    'side',
-    'joint_convention',
-    'joint_names',
-    'joint_signs',
-    'joint_offsets',
-)
+MOST_COORDINATES = 100
 
 
 def best_effort_profile(depth: int = 1) -> QoSProfile:
@@ -97,15 +90,17 @@ class MuscleReader:
 
     def _take_arms(self, message: Float64MultiArray) -> None:
         names = [read_label(dim.label)[1] for dim in message.layout.dim]
-        if len(names) != 2 or len(names[1]) != 3 or len(message.data) != 3 * len(names[0]):
+        if len(names) != 2 or len(message.data) != len(names[0]) * len(names[1]):
             return
-        if len(names[0]) > MOST_BANDS or not np.isfinite(message.data).all():
+        if len(names[0]) > MOST_BANDS or not 0 < len(names[1]) <= MOST_COORDINATES:
+            return
+        if not np.isfinite(message.data).all():
             return
         if (names[1], names[0]) != self._labels:
             self._labels = names[1], names[0]
             self._answer = None  # the node has changed: ask it again
             self._update_info()
-        self._pending['arms'] = np.array(message.data).reshape(-1, 3)
+        self._pending['arms'] = np.array(message.data).reshape(len(names[0]), -1)
 
     def _take_states(self, message: JointState) -> None:
         if np.isfinite(message.position).all():
@@ -178,7 +173,7 @@ class MuscleReader:
             name, namespace = found.node_name, found.node_namespace.rstrip('/')
             self._connect(f'{namespace}/{name}', self._joint_topic(name, namespace))
         if self._answer is None and self._client is not None and self._client.service_is_ready():
-            self._answer = self._client.call_async(GetParameters.Request(names=list(PARAMETERS)))
+            self._answer = self._client.call_async(GetParameters.Request(names=list(NAMES)))
             self._answer.add_done_callback(self._receive_parameters)
 
     def _look_out(self) -> dict[str, Any]:
@@ -219,9 +214,7 @@ class MuscleReader:
         """Store the node's parameters."""
         values = [parameter_value_to_python(value) for value in answer.result().values]
         self._parameters = {
-            name: value
-            for name, value in zip(PARAMETERS, values, strict=False)
-            if value is not None
+            name: value for name, value in zip(NAMES, values, strict=False) if value is not None
         }
         self._update_info()
 

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import JOINT_CONVENTIONS, BroadMuscle
 from linkedplane_ros.viewer.panels import motions
+from linkedplane_ros.viewer.panels.ranges import slider_ranges
 
 DELTOID = BroadMuscle.load('deltoid')
 
@@ -30,7 +31,7 @@ def test_the_end_poses_of_the_case_study_are_the_same_in_every_convention(name: 
         np.testing.assert_allclose(convention.rotation(angles), expected, atol=1e-9)
     for angles in found.values():
         for angle, (low, high) in zip(
-            angles, motions.slider_ranges(convention, DELTOID.range_of_motion), strict=True
+            angles, slider_ranges(convention, DELTOID.range_of_motion), strict=True
         ):
             assert low - 1e-9 <= angle <= high + 1e-9
 
@@ -48,7 +49,7 @@ def test_a_glide_begins_and_ends_at_rest_and_its_speeds_are_its_slope() -> None:
 
 
 def test_a_sweep_sets_out_from_where_the_arm_is_and_stays_in_its_range() -> None:
-    arm = motions.Arm()
+    arm = motions.Arm(np.zeros(3))
     arm.drag(np.array((0.5, 0.2, 0.1)), 0.0)
     arm.sweep(0, -0.7, 2.0, 0.0)
     times = np.arange(0.0, 30.0, 1 / 60)
@@ -67,7 +68,7 @@ def test_a_sweep_sets_out_from_where_the_arm_is_and_stays_in_its_range() -> None
 
 
 def test_a_dragged_arm_has_the_speed_of_the_hand_and_none_at_the_first_touch() -> None:
-    arm = motions.Arm()
+    arm = motions.Arm(np.zeros(3))
     assert arm.drag(np.array((0.1, 0.0, 0.0)), 5.0).tolist() == [0.0, 0.0, 0.0]
     assert arm.drag(np.array((0.2, 0.0, 0.0)), 5.1) == pytest.approx((1.0, 0.0, 0.0))
     assert arm.drag(np.array((0.3, 0.0, 0.0)), 9.0).tolist() == [0.0, 0.0, 0.0]

@@ -12,14 +12,12 @@ import numpy as np
 from ...errors import LinkedPlaneError
 from ...joints.conventions import JointConvention
 from ...joints.rotations import rotation_about
-from ...types import Floats, Intervals
+from ...types import Floats
 
 MEAN_SPEED = 1.2  # rad/s, of a glide
 SHORTEST = 0.5  # s, of a glide
 PERIOD = 8.0  # s, of a sweep there and back
 GAP = 0.25  # s without a drag, after which the next one is a new movement
-MAX_ELEVATION = math.radians(150.0)  # of sliders, if the model gives no range
-MAX_TURN = math.radians(120.0)
 
 # The case study (thesis ch. 5): the end poses of its motions, axis and angle, right scapula
 CASE_STUDY: Mapping[str, tuple[tuple[float, float, float], float]] = {
@@ -44,30 +42,12 @@ def end_poses(convention: JointConvention) -> dict[str, Floats]:
     return poses
 
 
-def slider_ranges(convention: JointConvention, motion: Intervals | None) -> Intervals:
-    """Return the lowest and the highest angle of each coordinate's slider, rad.
-
-    Parameters
-    ----------
-    convention
-        The coordinates'.
-    motion
-        The model's range of flexion, abduction and rotation; used for their convention only.
-
-    """
-    elevates = convention.middle[0] >= 0.0
-    if motion is not None and not elevates:
-        return motion
-    middle = (0.0, MAX_ELEVATION) if elevates else (-MAX_TURN, MAX_TURN)
-    return (-MAX_TURN, MAX_TURN), middle, (-MAX_TURN, MAX_TURN)
-
-
 @dataclass(frozen=True, eq=False)
 class Glide:
     """From one pose to another, with the smoothness of a reach (Flash and Hogan 1985)."""
 
     start: Floats
-    """(3,) rad."""
+    """(d,) rad or m."""
     end: Floats
     begun: float
     """s"""
@@ -78,7 +58,7 @@ class Glide:
         return max(float(np.abs(self.end - self.start).max()) / MEAN_SPEED, SHORTEST)
 
     def pose_at(self, now: float) -> tuple[Floats, Floats]:
-        """Return angles, rad, and speeds, rad/s, (3,) each."""
+        """Return angles, rad or m, and speeds, rad/s or m/s, (d,) each."""
         x = min(max((now - self.begun) / self.seconds, 0.0), 1.0)
         path = self.end - self.start
         speed = 30.0 * x * x * (1.0 - x) ** 2 / self.seconds
@@ -91,21 +71,21 @@ class Glide:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """One coordinate from its lowest to its highest angle and back, repeated."""
+    """One coordinate from its lowest to its highest value and back, repeated."""
 
     base: Floats
-    """(3,) rad; the swept coordinate's is not used."""
+    """(d,) rad or m; the swept coordinate's is not used."""
     coordinate: int
     low: float
     high: float
     begun: float
 
     def pose_at(self, now: float) -> tuple[Floats, Floats]:
-        """Return angles, rad, and speeds, rad/s, (3,) each; at first the coordinate is lowest."""
+        """Return coordinates and speeds (d,), rad or m, and s; at first the swept one is lowest."""
         pace = 2.0 * math.pi / PERIOD
         angle = pace * (now - self.begun)
         half = 0.5 * (self.high - self.low)
-        angles, speeds = self.base.copy(), np.zeros(3)
+        angles, speeds = self.base.copy(), np.zeros_like(self.base)
         angles[self.coordinate] = self.low + half * (1.0 - math.cos(angle))
         speeds[self.coordinate] = half * pace * math.sin(angle)
         return angles, speeds
@@ -114,9 +94,9 @@ class Sweep:
 class Arm:
     """The arm that sliders and buttons move: its angles and its motion."""
 
-    def __init__(self) -> None:
-        """Start with the arm at the side."""
-        self.angles: Floats = np.zeros(3)
+    def __init__(self, rest: Floats) -> None:
+        """Start with the coordinates (d,) at rest."""
+        self.angles = rest
         self._moved = -math.inf
         self._motions: list[Glide | Sweep] = []
 
@@ -126,13 +106,13 @@ class Arm:
         return bool(self._motions)
 
     def drag(self, angles: Floats, now: float) -> Floats:
-        """Move the arm by hand; return its speeds (3,), rad/s, since the drag before.
+        """Move the arm by hand; return its speeds (d,), rad/s or m/s, since the drag before.
 
         They are zero at the beginning of a movement, as its start is not known.
         """
         self._motions = []
         since = now - self._moved
-        speeds = (angles - self.angles) / since if 1e-3 < since < GAP else np.zeros(3)
+        speeds = (angles - self.angles) / since if 1e-3 < since < GAP else np.zeros_like(angles)
         self.angles, self._moved = angles, now
         return speeds
 
@@ -152,9 +132,9 @@ class Arm:
         self._motions = [there, Sweep(start, coordinate, low, high, now + there.seconds)]
 
     def advance(self, now: float) -> Floats:
-        """Continue the motion; return the speeds (3,), rad/s, zero at rest."""
+        """Continue the motion; return the speeds (d,), rad/s or m/s, zero at rest."""
         if not self._motions:
-            return np.zeros(3)
+            return np.zeros_like(self.angles)
         motion = self._motions[0]
         if isinstance(motion, Glide) and motion.is_over(now):
             self._motions.pop(0)

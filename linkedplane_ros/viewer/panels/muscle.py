@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from html import escape
 from typing import Any
 
@@ -14,14 +15,15 @@ import viser
 from ...types import Floats
 from ..names import distinct_names
 from ..newest import MuscleInfo, Values
-from .motions import Arm, end_poses, slider_ranges
+from .motions import Arm, end_poses
+from .ranges import rest_pose, rounded_ranges
 
 SETTLED = 0.15  # s without a move after which the arm is at rest
 HEARTBEAT = 1.0  # s between joint states at rest: a restarted node learns the pose from them
 SHOWN = 0.05  # s between moves of the sliders by the program
 SILENT = 3.0  # s without an answer, after which the node is reported as silent
 ALERT = 1.5  # s to find other publishers, before anything is published
-STEP = 0.5  # deg
+STEP = 0.5  # deg or mm
 
 PLAY, STOP = 'play a sweep', 'stop'
 
@@ -36,9 +38,9 @@ class MusclePanel:
     info
         The muscle's.
     move
-        Publishes angles (3,), rad, and speeds (3,), rad/s, and returns whether it did.
+        Publishes coordinates (d,) and speeds (d,), in rad or m and s, and returns whether it did.
     coordinate
-        Returns the coordinate that is swept: 0, 1 or 2.
+        Returns the number of the coordinate that is swept.
 
     """
 
@@ -51,9 +53,14 @@ class MusclePanel:
     ) -> None:
         self._move = move
         self._coordinate = coordinate
-        self._ranges = np.round(np.degrees(slider_ranges(info.convention, info.motion)), 1)
-        self._poses = end_poses(info.convention)
-        self._arm = Arm()
+        rest = rest_pose(info)
+        self._units = np.array([unit.size for unit in info.units])
+        self._ranges = rounded_ranges(info)
+        self._poses = {'neutral': rest}
+        if info.skeleton is None and not info.obstacle:
+            self._poses = end_poses(info.convention)
+        self._arm = Arm(rest)
+        self._never = info.obstacle
         self._begun = time.monotonic()
         self._sent = self._shown = -np.inf
         self._heard = self._begun
@@ -61,12 +68,21 @@ class MusclePanel:
         self._newest = Values()
         self._obstacle = ''
         self._status = gui.add_html('')
-        self._sliders = [
-            gui.add_slider(f'{name} (deg)', float(low), float(high), STEP, float(max(low, 0.0)))
-            for name, (low, high) in zip(
-                distinct_names(info.coordinates), self._ranges, strict=True
+        self._sliders = []
+        labels = map('{0} ({1.name})'.format, distinct_names(info.coordinates), info.units)
+        for label, (low, high), start in zip(
+            labels, self._ranges.tolist(), rest / self._units, strict=True
+        ):
+            fixed = low == high  # the library's sliders cannot be so
+            slider = gui.add_slider(
+                label,
+                low,
+                high + STEP if fixed else high,
+                STEP if fixed else min(STEP, high - low),
+                min(max(float(start), low), high),
+                disabled=fixed,
             )
-        ]
+            self._sliders.append(slider)
         self._go_to = gui.add_button_group('go to', tuple(self._poses))
         self._play = gui.add_button(PLAY)
         self._follow = gui.add_checkbox('follow the stream', False)
@@ -83,7 +99,8 @@ class MusclePanel:
         if event.client is None or self._follow.value:
             return
         now = time.monotonic()
-        speeds = self._arm.drag(np.radians([slider.value for slider in self._sliders]), now)
+        shown = np.array([slider.value for slider in self._sliders])
+        speeds = self._arm.drag(self._units * shown, now)
         self._take_over()
         self._send(speeds, now)
 
@@ -100,7 +117,7 @@ class MusclePanel:
         self._take_over()
         if not playing:
             k = self._coordinate()
-            low, high = np.radians(self._ranges[k]).tolist()
+            low, high = (self._units[k] * self._ranges[k]).tolist()
             self._arm.sweep(k, low, high, time.monotonic())
             self._play.label = STOP
 
@@ -126,8 +143,8 @@ class MusclePanel:
         self._stop()
         self._asked = False
         self._follow.value = follow
-        for slider in self._sliders:
-            slider.disabled = follow
+        for slider, (low, high) in zip(self._sliders, self._ranges, strict=True):
+            slider.disabled = follow or low == high
 
     def _set_obstacle(self, obstacle: str) -> None:
         """Stop where the arm is not to be moved from here, and say so."""
@@ -158,12 +175,14 @@ class MusclePanel:
         if newest.answered != self._newest.answered:
             self._heard = now
         self._newest = newest
-        self._set_obstacle(newest.obstacle)
+        self._set_obstacle(newest.obstacle or self._never)
         if self._asked and not watched:
             self._stop()
             self._asked = False
         silent = self._sent > self._heard and now > self._heard + SILENT
-        self._status.content = status_html(newest, self._follow.value, silent)
+        self._status.content = status_html(
+            replace(newest, obstacle=self._obstacle), self._follow.value, silent
+        )
         if not self._asked:
             if newest.angles is not None:
                 self._arm.angles = newest.angles
@@ -173,16 +192,16 @@ class MusclePanel:
             self._resting = False
             self._move_sliders(self._arm.angles, now, last=not self._arm.is_moving)
         elif now > self._sent + (HEARTBEAT if self._resting else SETTLED):
-            self._send(np.zeros(3), now)
+            self._send(np.zeros_like(self._arm.angles), now)
             self._resting = self._sent == now
 
     def _move_sliders(self, angles: Floats, now: float, last: bool = False) -> None:
-        """Move the sliders to angles, rad, some times a second; `last` ones in any case."""
+        """Move the sliders to coordinates (d,) some times a second; `last` ones in any case."""
         if now < self._shown + SHOWN and not last:
             return
         self._shown = now
         low, high = self._ranges.T
-        shown = np.clip(np.round(np.degrees(angles), 1), low, high).tolist()
+        shown = np.clip(np.round(angles / self._units, 1), low, high).tolist()
         for slider, value in zip(self._sliders, shown, strict=True):
             slider.value = value
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -15,7 +16,7 @@ from ...drawing.colours import head_colour
 from ...drawing.units import MILLIMETRES
 from ...types import Floats, Interval
 from ..names import html_name, short_name
-from ..newest import MuscleInfo, Values
+from ..newest import MuscleInfo, Values, match_coordinate
 from ..scene.colour_map import css_colour
 from .history import CoordinateCurve, Recent, merge_curves, widen_range
 
@@ -23,7 +24,7 @@ SPAN = 20.0  # s, of the time axis
 RATE = 60  # rows a second at most
 FRESH = 0.25  # s between drawings of a plot while states keep coming
 REST = 0.12  # s without a new state, after which it is drawn at once; the scene comes first
-DEGREES = (-180.0, 180.0, 1.0)
+SHOWN = {'deg': (-360.0, 360.0, 1.0), 'mm': (-500.0, 500.0, 1.0)}  # of a coordinate's axis
 TIME, COORDINATE = 'time', 'coordinate'
 HEIGHT = 125  # px
 PADDING = (8, 24, 0, 0)  # px, from the top clockwise
@@ -35,14 +36,14 @@ DASH = (6, 4)  # px, of the second muscle's lines
 
 
 def head_values(info: MuscleInfo, newest: Values) -> tuple[Floats, Floats]:
-    """Return the heads' lengths (h,), mm, and moment arms (h, 3), mm; NaN before the first."""
+    """Return the heads' lengths (h,), mm, and moment arms (h, d), mm; NaN before the first."""
     bands = [band for _, band in info.heads]
     n = len(info.bands)
     lengths, arms = newest.lengths, newest.arms
     if lengths is None or len(lengths) != n:
         lengths = np.full(n, np.nan)
-    if arms is None or len(arms) != n:
-        arms = np.full((n, 3), np.nan)
+    if arms is None or arms.shape != (n, len(info.coordinates)):
+        arms = np.full((n, len(info.coordinates)), np.nan)
     return MILLIMETRES * lengths[bands], MILLIMETRES * arms[bands]
 
 
@@ -53,6 +54,12 @@ class Plots:
         """Add them to the open part of the GUI; `muscles` are names and what is known of each."""
         self._gui = gui
         self._muscles = [info for _, info in muscles]
+        first = self._muscles[0]
+        d = len(first.coordinates)
+        self._width = 1 + d  # a length and an arm about each
+        self._chosen = [
+            [match_coordinate(info, first, k) for k in range(d)] for info in self._muscles
+        ]
         self._begin = 0.0
         self._first = self._last = -np.inf  # when the rows that are not drawn yet came
         self._rows = self._rows_drawn = 0
@@ -105,11 +112,11 @@ class Plots:
 
     def _reset(self) -> None:
         """Forget all rows."""
-        count = sum(len(info.heads) for info in self._muscles)
-        self._recent = Recent(4 * count, round(SPAN * RATE))
+        widths = [self._width * len(info.heads) for info in self._muscles]
+        self._recent = Recent(sum(widths), round(SPAN * RATE))
         self._curves = [
-            [CoordinateCurve(4 * len(info.heads), *DEGREES) for _ in range(3)]
-            for info in self._muscles
+            [CoordinateCurve(width, *SHOWN[unit.name]) for unit in self._muscles[0].units]
+            for width in widths
         ]
         self._shown: tuple[str, int] | None = None
         self._retire_plots()
@@ -123,13 +130,20 @@ class Plots:
             return
         self._begin = self._begin or now
         rows = []
-        for info, values, curves in zip(self._muscles, newest, self._curves, strict=True):
+        for info, values, curves, chosen in zip(
+            self._muscles, newest, self._curves, self._chosen, strict=True
+        ):
             lengths, arms = head_values(info, values)
-            row = np.column_stack((lengths, arms)).ravel()  # length and three arms of each head
-            rows.append(row)
-            if values.pose is not None and np.isfinite(row).all():
-                for curve, angle in zip(curves, np.degrees(values.pose).tolist(), strict=True):
-                    curve.add(angle, row)
+            row = np.column_stack((lengths, choose_columns(arms, chosen))).ravel()
+            rows.append(row)  # length and arms of each head
+            if values.pose is None or len(values.pose) != len(info.units):
+                continue
+            sizes = np.array([unit.size for unit in info.units])
+            [places] = choose_columns((values.pose / sizes)[np.newaxis], chosen).tolist()
+            if np.isfinite(lengths).all():
+                for curve, place in zip(curves, places, strict=True):
+                    if math.isfinite(place):
+                        curve.add(place, row)
         self._recent.add(now - self._begin, np.concatenate(rows))
         if self._rows == self._rows_drawn:
             self._first = now
@@ -143,7 +157,7 @@ class Plots:
         now
             The time of the frame, s.
         coordinate
-            The moment arms are about it: 0, 1 or 2.
+            The number of the one that the moment arms are about.
 
         Returns
         -------
@@ -159,7 +173,7 @@ class Plots:
         table = self._table(axis, coordinate)
         if len(table) < 2:
             return True
-        values = table[:, 1:].reshape(len(table), -1, 4)
+        values = table[:, 1:].reshape(len(table), -1, self._width)
         data = [
             (table[:, 0], *np.ascontiguousarray(values[:, :, k].T)) for k in (0, 1 + coordinate)
         ]
@@ -167,18 +181,25 @@ class Plots:
         reach = [widen_range(old, each[1:], ROUND) for old, each in zip(before, data, strict=True)]
         if not self._plots or reach != before:
             self._reach, self._shown = reach, (axis, coordinate)
-            name = short_name(self._muscles[0].coordinates[coordinate])
-            self._add_plots(data, 'time, s' if axis == TIME else f'{name}, deg')
+            first = self._muscles[0]
+            name, unit = short_name(first.coordinates[coordinate]), first.units[coordinate].name
+            self._add_plots(data, 'time, s' if axis == TIME else f'{name}, {unit}')
         else:
             for plot, each in zip(self._plots, data, strict=True):
                 plot.data = each
         return True
 
     def _table(self, axis: str, coordinate: int) -> Floats:
-        """Return the rows of the plots: x, then length and three arms of each head, mm."""
+        """Return the rows of the plots: x, then length and arms of each head, mm."""
         if axis == TIME:
             return self._recent.rows_of_last(SPAN)
         return merge_curves([curves[coordinate].known_rows() for curves in self._curves])
+
+
+def choose_columns(values: Floats, chosen: Sequence[int | None]) -> Floats:
+    """Return the chosen columns of values (m, d); NaN in place of None."""
+    wide = np.column_stack((values, np.full(len(values), np.nan)))
+    return np.asarray(wide[:, [-1 if k is None else k for k in chosen]])
 
 
 def plot_series(muscles: Sequence[tuple[str, MuscleInfo]]) -> list[Any]:

@@ -13,7 +13,7 @@ from ...drawing.colours import head_colour
 from ...drawing.units import MILLIMETRES
 from ...types import Floats
 from ..names import distinct_names, html_name
-from ..newest import MuscleInfo, Values
+from ..newest import MuscleInfo, Values, match_coordinate
 from .colour_map import css_colour, legend_html, map_colours, round_up
 
 HEAD, LENGTH, ARM = 'head', 'length change', 'moment arm'
@@ -32,6 +32,7 @@ class Look:
     def __init__(self, gui: viser.GuiApi, info: MuscleInfo) -> None:
         """Add the controls that are always visible to the open part of the GUI."""
         self._gui = gui
+        self._first = info
         self._limit = 0.0
         self._legend_key: tuple[Any, ...] = ()
         self._references: dict[str, Floats] = {}
@@ -66,7 +67,7 @@ class Look:
 
     @property
     def coordinate(self) -> int:
-        """The chosen coordinate: 0, 1 or 2."""
+        """The number of the chosen coordinate, among those of the first muscle."""
         return int(self._coordinate.options.index(self._coordinate.value))
 
     @property
@@ -84,7 +85,7 @@ class Look:
         """Whether the page is dark."""
         return bool(self._dark.value)
 
-    def band_values(self, prefix: str, newest: Values) -> Floats | None:
+    def band_values(self, prefix: str, info: MuscleInfo, newest: Values) -> Floats | None:
         """Return the values (n,), mm, that colour the bands of a muscle; None: by their heads.
 
         A length change counts from the first state that was seen, or from the button.
@@ -95,8 +96,9 @@ class Look:
             if len(reference) != len(newest.lengths):
                 reference = self._references[prefix] = newest.lengths
             return np.asarray(MILLIMETRES * (newest.lengths - reference))
-        if by == ARM and newest.arms is not None:
-            return np.asarray(MILLIMETRES * newest.arms[:, self.coordinate])
+        k = match_coordinate(info, self._first, self.coordinate)
+        if by == ARM and newest.arms is not None and k is not None and k < newest.arms.shape[1]:
+            return np.asarray(MILLIMETRES * newest.arms[:, k])
         return None
 
     def band_colours(self, values: Floats | None) -> dict[int, npt.NDArray[np.uint8]] | None:

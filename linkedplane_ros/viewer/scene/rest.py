@@ -8,11 +8,13 @@ from threading import Event, Thread
 
 import numpy as np
 
-from ...drawing.shapes import POINTS_ON_ARC, MuscleShapes, Placement, Shape
+from ...drawing.shapes import MuscleShapes, Placement, Shape
 from ...errors import LinkedPlaneError
-from ...solver.linked_plane_solver import LinkedPlaneSolver
+from ...node.parameters import SPECS
+from ...node.settings import Settings, list_muscles
 from ...types import Floats
 from ..newest import MuscleInfo
+from ..panels.ranges import rest_pose
 from .geometry import Markers, apply_message
 from .wire import Marker
 
@@ -46,20 +48,27 @@ class RestArms:
 
     def _solve(self, prefix: str, info: MuscleInfo) -> None:
         markers: Markers = {}
-        if info.model is not None:
-            with suppress(LinkedPlaneError):
-                markers = rest_markers(LinkedPlaneSolver(info.model, info.side))
+        with suppress(LinkedPlaneError):
+            markers = rest_markers(info)
         if self._asked[prefix] is info:  # else a newer one is on its way
             self._solved[prefix] = markers
             self._fresh.set()
 
 
-def rest_markers(solver: LinkedPlaneSolver) -> Markers:
-    """Return the markers of a muscle with all of its bones at rest: those its node would send."""
-    shapes = MuscleShapes(solver.muscle, POINTS_ON_ARC, details=True)
-    places = shapes.placements(solver.solve(np.eye(3)))
+def rest_markers(info: MuscleInfo) -> Markers:
+    """Return the markers of a muscle at rest: those that its node would send.
+
+    LinkedPlaneError if its model, or what moves its bones, cannot be loaded here.
+    """
+    values = {spec.name: info.parameters.get(spec.name, spec.default) for spec in SPECS}
+    settings = Settings.from_values(values, may_fail=list_muscles(values['muscle']))
     markers: Markers = {}
-    apply_message(markers, map(build_marker, shapes.shapes, places))
+    for solver, moved_by in zip(settings.solvers, settings.articulations.moved_by, strict=False):
+        if solver.muscle.name == info.name:
+            rest = rest_pose(info)
+            state = solver.answer(moved_by, rest, np.zeros_like(rest)).state
+            shapes = MuscleShapes(solver.muscle, settings.markers_points, settings.markers_details)
+            apply_message(markers, map(build_marker, shapes.shapes, shapes.placements(state)))
     return markers
 
 
