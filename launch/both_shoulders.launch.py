@@ -24,6 +24,7 @@ from linkedplane_ros.node.launching.player import player_actions
 SIDES = ('left', 'right')
 SET_HERE = ('side', 'frame_id')
 EACH = ('joint_names', 'joint_signs', 'joint_offsets')  # for each side
+OR_EACH = ('bone_links',)  # for both, or for each side
 COMMON = [spec for spec in PARAMETERS if spec.name not in (*SET_HERE, *EACH)]
 ARGUMENTS = (
     *map(parameter_argument, COMMON),
@@ -31,7 +32,7 @@ ARGUMENTS = (
         parameter_argument(spec, f'{side}_')
         for side in SIDES
         for spec in PARAMETERS
-        if spec.name in EACH
+        if spec.name in (*EACH, *OR_EACH)
     ),
     PARAMS_FILE,
     ('left_joint_states', 'joint_states', 'The topic of the left arm, in its namespace.'),
@@ -92,6 +93,7 @@ def choose_arguments(values: Mapping[str, str], side: str) -> dict[str, str]:
     return {
         **{spec.name: values[spec.name] for spec in COMMON},
         **{name: values[f'{side}_{name}'] for name in (*EACH, 'joint_states', 'y')},
+        **{name: values[f'{side}_{name}'] or values[name] for name in OR_EACH},
         'side': side,
         'frame_id': f'{side}_scapula',
         'namespace': side,

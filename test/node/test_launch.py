@@ -196,6 +196,17 @@ def test_rviz_shows_the_muscle_that_is_chosen(muscle: str) -> None:
     assert rviz.remappings == [('/deltoid/markers', '/deltoid_ackland2008/markers')]
 
 
+def test_both_shoulders_have_one_skeleton_and_links_and_joints_of_their_own() -> None:
+    names = [f'j{k}' for k in range(9)]
+    given = {'skeleton': 'shoulder_girdle', 'muscle': 'deltoid_girdle'}
+    given |= {'left_bone_links': "['clavicle:=scapula']", 'right_joint_names': str(names)}
+    left, right = map(settings, nodes(BOTH, 'muscle_state_publisher', **given))
+    assert left.joints.names[:2] == ('sc_protraction', 'sc_elevation')
+    assert right.joints.names == tuple(names)
+    links = [each.articulations.moved_by[0].links for each in (left, right)]
+    assert links == [('scapula', 'scapula', 'humerus'), ('scapula', 'clavicle', 'humerus')]
+
+
 def test_both_shoulders_are_two_nodes_that_share_nothing_but_the_torso() -> None:
     found = nodes(BOTH, 'muscle_state_publisher', right_joint_names='[p, q, r]')
     assert [node.namespace for node in found] == ['left', 'right']
