@@ -79,7 +79,7 @@ def scan_circle(P: Any, S: Any, C: Any, R: Any, phi: Any, N: Any, known: float) 
         theta = -pi + 2.0 * pi * k / STEPS
         cosines[0], sines[0] = cos(theta), sin(theta)
         rx, ry, rz = N[0], N[1], N[2]
-        total = 0.0
+        total, kept = 0.0, 1.0
         for i in range(n):
             if total + rest[i] >= least:
                 total = 1e300
@@ -88,7 +88,8 @@ def scan_circle(P: Any, S: Any, C: Any, R: Any, phi: Any, N: Any, known: float) 
             along = rx * x + ry * y + rz * z
             mx, my, mz = rx - along * x, ry - along * y, rz - along * z
             size = sqrt(mx * mx + my * my + mz * mz)
-            if size < 1e-6:  # no direction to speak of: no plane, no candidate
+            kept *= size
+            if kept < 1e-6:  # of N, along the chain: no direction to speak of, no candidate
                 total = 1e300
                 break
             mx, my, mz = mx / size, my / size, mz / size
