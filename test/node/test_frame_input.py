@@ -210,6 +210,12 @@ def test_a_slower_frame_counts_as_it_is_until_it_is_too_old(ros: None) -> None:
         assert "frame 'clavicle' is " in muscle.tally.last_rejection
 
 
+def test_a_stamp_is_answered_once_however_often_it_comes(ros: None) -> None:
+    sent = [tf_message(k, frames_at(k)) for k in (0, 0, 1, 1, 1, 2)]
+    with fed(sent, muscle='deltoid_girdle') as (_, muscle):
+        assert (muscle.tally.received, muscle.tally.answered) == (3, 3)
+
+
 @pytest.mark.parametrize('case', ['apart', 'loop', 'never', 'not_unit', 'far', 'not_finite'])
 def test_frames_that_are_no_poses_are_counted_by_reason_in_one_line(
     ros: None, case: str, capfd: pytest.CaptureFixture[str]
