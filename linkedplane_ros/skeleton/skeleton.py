@@ -382,7 +382,24 @@ class Skeleton:
         return moved
 
     def pack_for(self, bones: Sequence[str]) -> Chain:
-        """Return the chain as the kernels take it; SkeletonError unless it has a muscle's bones."""
+        """Return the chain as the kernels take it.
+
+        Parameters
+        ----------
+        bones
+            The muscle's: the ground first, then those that move.
+
+        Returns
+        -------
+        Chain
+            Of the bones that this skeleton is for.
+
+        Raises
+        ------
+        SkeletonError
+            For other bones than these.
+
+        """
         if tuple(bones) != self.bones:
             raise self.tree.fault(
                 f'for the bones {list_names(self.bones)}, the muscle has {list_names(bones)}; '
