@@ -18,6 +18,7 @@ from ..drawing.shapes import MARKER_RATE, POINTS_ON_ARC
 from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JOINT_CONVENTIONS
 from ..joints.sides import SIDES
+from ..muscle.yaml_mapping import quotes_hint
 from ..skeleton.rhythms import RHYTHMS
 
 Value = str | bool | int | float | list[str] | list[float]
@@ -117,9 +118,11 @@ class ParameterSpec:
 
     def _fault(self, value: Any, expected: str) -> LinkedPlaneError:
         given = list(value) if is_list(value) else value
-        return LinkedPlaneError(
-            f'parameter {self.name}: {describe_value(given)} given, {expected} expected'
-        )
+        line = f'parameter {self.name}: {describe_value(given)} given, {expected} expected'
+        if isinstance(self.default, str) or self.name == 'joint_names':
+            items = given if isinstance(given, list) else [given]
+            line += next(filter(None, map(quotes_hint, items)), '')
+        return LinkedPlaneError(line)
 
 
 def is_list(value: Any) -> bool:

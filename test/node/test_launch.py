@@ -98,7 +98,12 @@ def test_empty_joint_names_are_the_conventions_coordinates(empty: str) -> None:
 @pytest.mark.parametrize(
     ('name', 'text', 'fault'),
     [
-        ('joint_names', '[a, b', 'not YAML'),
+        ('joint_names', '[a, b', 'not valid YAML'),
+        ('muscle', '010', '(text: in quotes)'),
+        ('frame_id', '1:30', '(text: in quotes)'),
+        ('muscle', '12', 'a number, a date, true or nothing is text in quotes'),
+        ('frame_id', '2024-01-01', 'a number, a date, true or nothing is text in quotes'),
+        ('joint_names', '[1, b, c]', 'a number, a date, true or nothing is text in quotes'),
         ('joint_names', '{a: b}', '3 joint names expected'),
         ('joint_names', 'a, b, c', '3 joint names expected'),
         ('joint_names', '[a, yes, c]', '3 joint names expected'),

@@ -80,6 +80,5 @@ def parse_argument(name: str, text: str) -> Any:
     """Return the value of an argument."""
     try:
         return load_yaml(text)
-    except LinkedPlaneError:
-        given = describe_value(text)
-        raise LinkedPlaneError(f'{name}: {given} given, which is not YAML') from None
+    except LinkedPlaneError as error:
+        raise LinkedPlaneError(f'{name}: {describe_value(text)} given, {error}') from None
