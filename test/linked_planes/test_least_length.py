@@ -235,6 +235,15 @@ def test_pierced_bands_together_are_as_short_as_in_a_scan(posed: Posed) -> None:
     assert found <= scan + LEAST
 
 
+@pytest.mark.parametrize('stretch', range(12))
+def test_pierced_bands_are_shortest_in_whichever_stretch_of_the_circle(stretch: int) -> None:
+    end = -np.pi + 2.0 * np.pi * (stretch + 0.4) / 12  # rad: in this one of 12 stretches
+    for posed in map(Posed, range(3), ('deltoid',) * 3):
+        theta = search_pierced(posed.bands, 12)
+        found = search_pierced(posed.count_from(theta - end), 12)
+        assert found == pytest.approx(end, abs=1e-6)
+
+
 def test_the_circle_is_not_searched_where_one_valley_or_none_will_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

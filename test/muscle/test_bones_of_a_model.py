@@ -190,6 +190,8 @@ def test_the_girdle_scales_by_the_same_factors_for_all_bones(tmp_path: Path) -> 
 def test_a_report_says_which_bands_are_on_which_bone() -> None:
     lines = list(model_report(GIRDLE))
     assert 'arise from the clavicle: anterior_1, anterior_2' in lines
+    assert 'arise from the scapula: ' + ', '.join(GIRDLE.band_names[2:]) in lines
+    assert not any('end on' in line for line in lines)  # all on the humerus
     assert any('insertion (humerus)' in line for line in lines)
     assert not any('arise from' in line for line in model_report(DELTOID))
     assert list(model_report(TWISTED))

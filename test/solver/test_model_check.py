@@ -220,6 +220,30 @@ def test_info_tells_what_the_spheres_move_with() -> None:
     assert "9 obstacle spheres in their bands' moving frames, for 9 bands" in lines
 
 
+@pytest.mark.parametrize('name', ['deltoid', 'deltoid_girdle'])
+def test_info_prints_every_band_with_the_arm_at_the_side(name: str) -> None:
+    muscle = BroadMuscle.load(name)
+    lines = list(model_report(muscle))
+    start = next(k for k, line in enumerate(lines) if line.startswith('band '))
+    assert ' insertion (humerus) ' in lines[start]
+    assert (' origin (scapula) ' in lines[start]) == (name == 'deltoid')
+    theta = reference.neutral_theta(DELTOID)
+    paths = reference.chain(DELTOID, np.eye(3), theta)
+    for i, path in enumerate(paths):
+        band, head, *numbers, wrap = lines[start + 1 + i].split()
+        phi = numbers.pop(7)
+        assert (band, head) == (DELTOID.band_names[i], band.split('_')[0])
+        assert wrap == ('wrapped' if path.state == reference.WRAPPED else 'clear')
+        assert phi == 'theta' if i == 0 else float(phi) == round(DELTOID.plane_angles[i], 3)
+        sizes = np.array([DELTOID.sphere_radii[i], path.length])
+        want = 1e3 * np.concatenate((DELTOID.origins[i], DELTOID.insertions[i], sizes))
+        np.testing.assert_allclose(np.array(numbers, float), want, rtol=0.0, atol=0.0501)  # mm
+    found = re.search(r'arm at the side: theta (\S+) rad, total (\S+) mm', '\n'.join(lines))
+    assert found
+    assert float(found[1]) == pytest.approx(theta, abs=1e-6)
+    assert float(found[2]) == pytest.approx(1e3 * sum(one.length for one in paths), abs=1e-3)
+
+
 def test_info_prints_the_line_for_an_editor(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(['info', '--schema']) == 0
     mark, path = capsys.readouterr().out.strip().split('$schema=')
