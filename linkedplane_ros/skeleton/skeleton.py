@@ -303,6 +303,33 @@ class Skeleton:
             for bone, pose in zip(self.bones[1:], poses[0], strict=True)
         }, screws[0]
 
+    def pose_ground(self, q: npt.ArrayLike, side: str = '') -> Floats:
+        """Return where the ground bone's frame stands in the frame of the root.
+
+        Parameters
+        ----------
+        q
+            (d,) as for `pose`; of the joints between root and ground, too, which move no bone
+            against the ground.
+        side
+            The muscle's: in a skeleton of the other side its ground is the mirror image. Empty:
+            that of the skeleton.
+
+        Returns
+        -------
+        Floats
+            (3, 4) R and t, m, side by side: a point x of the ground's frame stands at R x + t in
+            the root's.
+
+        Raises
+        ------
+        SkeletonError
+            As `pose`.
+
+        """
+        pose = self._from_root._move(self._as_values(q)[np.newaxis]).poses[0, 0]
+        return mirror_poses(pose) if side and self.side and side != self.side else pose
+
     def pose_batch(self, q: npt.ArrayLike) -> dict[str, BonePose]:
         """Return the poses at many values; each is, to the bit, that of `pose`.
 
@@ -428,6 +455,13 @@ class Skeleton:
         moved = MovedBones(np.empty((m, k, 3, 4)), np.empty((m, d, k, 6)))
         pose_bones(*self._chain, values, *moved)
         return moved
+
+    @cached_property
+    def _from_root(self) -> Skeleton:
+        """The same tree with the root as the ground, and the ground as the bone that moves."""
+        root = self.tree.root
+        links = root, self.links[0]
+        return Skeleton(self.tree, ('root', 'ground'), links, places=(self.origin,))
 
     @cached_property
     def _chain(self) -> Chain:

@@ -23,6 +23,7 @@ from .panels.saving import Saving
 from .panels.table import bands_table_html
 from .scene.camera import Cameras, choose_view
 from .scene.geometry import Markers, apply_message, drawables
+from .scene.ground import pose_in_view, root_in_view
 from .scene.look import Look, set_theme
 from .scene.muscle import MuscleScene, light_scene
 from .scene.rest import RestArms
@@ -108,6 +109,8 @@ class Viewer:
         self._cameras.set_view(choose_view([info.side for info in muscles.values()]))
         for prefix, info in muscles.items():
             self._scenes[prefix].place_shoulder(info.side, len(names))
+            root = short_name(info.skeleton.tree.root) if info.skeleton else ''
+            self._scenes[prefix].mark_root(root, root_in_view(info))
 
     def _find_coordinate(self, info: MuscleInfo, first: MuscleInfo) -> int:
         """Return the number of a muscle's coordinate that a person has chosen; 0 if it has none."""
@@ -182,6 +185,7 @@ class Viewer:
                 self._node.get_logger().warning(f'{prefix}/markers: {error}', once=True)
             else:
                 apply_message(self._markers.setdefault(prefix, {}), received)
+        self._scenes[prefix].pose_ground(pose_in_view(info, newest.angles))
         look, markers = self._look, self._markers.get(prefix)
         if markers is None:
             markers = self._rest.find_markers(prefix, info)

@@ -56,7 +56,8 @@ class MuscleInfo:
     """The model's range of flexion, abduction and rotation, rad; None where it is not that of the
     coordinates."""
     skeleton: Skeleton | None = None
-    """What has the coordinates, if no convention has."""
+    """What has the coordinates, if no convention has; for the muscle's bones where these are
+    known."""
     obstacle: str = ''
     """Why it can be shown, but not moved."""
     name: str = ''
@@ -103,10 +104,12 @@ class MuscleInfo:
         default = [*alike, THESIS_CONVENTION][0]
         convention = conventions.get(node_parameters.get('joint_convention', ''), default)
         models = load_models(node_parameters.get('muscle', 'deltoid'))
-        moved, skeleton, obstacle = find_mover(node_parameters, convention, coordinates, models)
+        model = find_model(models, muscle_name, bands)
+        moved, skeleton, obstacle = find_mover(
+            node_parameters, convention, coordinates, models, model
+        )
         heads: tuple[tuple[str, int], ...] = tuple((band, i) for i, band in enumerate(bands))
         motion = None
-        model = find_model(models, muscle_name, bands)
         if model is not None:
             bands = model.band_names
             heads = tuple((h.name, bands.index(h.represented_by)) for h in model.heads)
@@ -141,6 +144,7 @@ def find_mover(
     convention: JointConvention,
     labelled: tuple[str, ...],
     models: Sequence[BroadMuscle],
+    own: BroadMuscle | None,
 ) -> tuple[Articulations, Skeleton | None, str]:
     """Return what moves the bones: its coordinates, the skeleton, and why it is not moved here.
 
@@ -154,6 +158,8 @@ def find_mover(
         The coordinates by the labels of the arrays; empty before the first answer.
     models
         The node's muscles.
+    own
+        The one for whose bones the skeleton is returned; None: for those of its URDF.
 
     """
     name = parameters.get('skeleton', '')
@@ -163,16 +169,17 @@ def find_mover(
             raise LinkedPlaneError(f'{len(coordinates)} coordinates of a convention of 3')
         return Articulations(coordinates=coordinates, kinds=convention.kinds), None, ''
     try:
-        skeleton = Skeleton.load(name)
+        skeleton = loaded = Skeleton.load(name)
         links = parse_bone_links(filter(None, parameters.get('bone_links', ())))
-        moving = {
-            joint
-            for model in models
-            for joint in skeleton.for_bones(
-                model.bones.names,
-                {bone: link for bone, link in links.items() if bone in model.bones.names},
-            ).moving
-        }
+        moving: set[str] = set()
+        for model in models:
+            bones = model.bones.names
+            fitted = loaded.for_bones(
+                bones, {bone: link for bone, link in links.items() if bone in bones}
+            )
+            moving.update(fitted.moving)
+            if model is own:
+                skeleton = fitted
     except SkeletonError:
         if not labelled:
             line = f'skeleton {short_name(name)} is not known here before it has moved'

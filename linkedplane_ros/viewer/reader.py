@@ -21,11 +21,11 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import MarkerArray
 
 from ..errors import escape_controls
-from ..joints.joint_state import JointMemory, Rejected
 from ..node.parameters import NAMES
 from ..processing.topics import read_label
 from ..recordings.bags.topics import JOINT_STATE
 from ..types import Floats
+from .heard import HeardJoints
 from .mover import ArmMover
 from .newest import MARKERS_KEPT, MuscleInfo, NewestState
 
@@ -54,7 +54,7 @@ class MuscleReader:
         self._prefix = prefix
         self._labels: tuple[tuple[str, ...], tuple[str, ...]] | None = None
         self._parameters: dict[str, Any] = {}
-        self._memory: JointMemory | None = None
+        self._heard: HeardJoints | None = None
         self._poses: OrderedDict[tuple[int, int], Floats] = OrderedDict()
         self._joints: Any = None
         self._source = ''
@@ -110,14 +110,10 @@ class MuscleReader:
         self._pending['wrap'] = np.array(message.data, np.uint8)
 
     def _take_joints(self, message: JointState) -> None:
-        if self._memory is None:
-            return
-        with suppress(Rejected):
-            angles, _, _ = self._memory.take_message(
-                message.name, message.position, message.velocity
-            )
-            self._poses[message.header.stamp.sec, message.header.stamp.nanosec] = np.array(angles)
-            self._pending['angles'] = np.array(angles)
+        angles = self._heard.take_message(message) if self._heard else None
+        if angles is not None:
+            self._poses[message.header.stamp.sec, message.header.stamp.nanosec] = angles
+            self._pending['angles'] = angles
         while len(self._poses) > POSES_KEPT:
             self._poses.popitem(last=False)
 
@@ -157,8 +153,8 @@ class MuscleReader:
             line = f'{self._prefix} is not shown: {escape_controls(str(error))}'
             self._node.get_logger().warning(line, once=True)
             return
-        if self._memory is None or self._memory.joints != info.joints:
-            self._memory = JointMemory(info.joints)
+        if self._heard is None or self._heard.joints != info.joints:
+            self._heard = HeardJoints(info.joints)
         self.newest.set_info(info)
 
     def discover(self) -> None:

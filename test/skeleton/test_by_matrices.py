@@ -65,6 +65,37 @@ def test_links_stand_where_products_of_matrices_put_them(seed: int) -> None:
         np.testing.assert_allclose(t, expected[:3, 3], rtol=0, atol=1e-12)  # m
 
 
+@pytest.mark.parametrize('seed', range(230, 240))
+@pytest.mark.parametrize('placed', [False, True])
+def test_the_ground_stands_in_the_root_where_products_of_matrices_put_it(
+    seed: int, placed: bool
+) -> None:
+    text = random_urdf(seed, links=10)
+    whole = Skeleton.from_urdf(text)
+    rng = np.random.default_rng(seed)
+    ground, bone = rng.choice(whole.links, 2, replace=False).tolist()
+    xyz, rpy = rng.normal(size=(2, 3)) * placed
+    place = np.eye(4)
+    place[:3, :3], place[:3, 3] = Rotation.from_euler('xyz', rpy).as_matrix(), xyz
+    given = ','.join(map(repr, [*xyz.tolist(), *rpy.tolist()]))
+    skeleton = whole.for_bones(['g', bone], {'g': f'{ground}@{given}' if placed else ground})
+    q = rng.normal(size=len(whole.coordinates))
+    values = dict(zip(whole.coordinates, q.tolist(), strict=True))
+    expected = (pose_by_matrices(text, ground, values) @ place)[:3]
+    np.testing.assert_allclose(skeleton.pose_ground(q), expected, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(skeleton.pose_ground(q, 'left'), skeleton.pose_ground(q))
+
+
+def test_in_a_skeleton_of_the_other_side_the_ground_is_the_mirror_image() -> None:
+    skeleton = Skeleton.load('shoulder_girdle')
+    q = np.random.default_rng(7).normal(size=len(skeleton.coordinates))
+    right, left = (skeleton.pose_ground(q, side) for side in ('right', 'left'))
+    mirror = np.diag([-1.0, 1.0, 1.0])
+    np.testing.assert_array_equal(right, skeleton.pose_ground(q))
+    np.testing.assert_allclose(left[:, :3], mirror @ right[:, :3] @ mirror, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(left[:, 3], mirror @ right[:, 3], rtol=0, atol=1e-15)
+
+
 def test_a_joint_that_takes_nothing_of_a_coordinate_does_not_need_it() -> None:
     limit = '<axis xyz="0 0 1"/>'
     text = robot(

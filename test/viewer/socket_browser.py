@@ -32,6 +32,7 @@ class SocketBrowser:
         from websockets.sync.client import connect
 
         self.texts: dict[str, str] = {}
+        self.places: dict[str, dict[str, tuple[float, ...]]] = {}  # where parts of the scene stand
         self._controls: dict[str, str] = {}
         self._disabled: dict[str, bool] = {}
         self._socket = connect(
@@ -109,3 +110,6 @@ class SocketBrowser:
                 self._controls[message['updates']['label']] = message['uuid']
             elif message['type'] == 'GuiUpdateMessage' and 'disabled' in message['updates']:
                 self._disabled[message['uuid']] = message['updates']['disabled']
+            elif message['type'] in ('SetPositionMessage', 'SetOrientationMessage'):
+                part = self.places.setdefault(message['name'], {})
+                part.update({key: message[key] for key in ('position', 'wxyz') if key in message})

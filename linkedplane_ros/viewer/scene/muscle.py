@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 import viser
 
-from ...types import Bytes
+from ...types import Bytes, Floats
 from .camera import UNIT
 from .geometry import Bodies, Drawable, Lines, Sheets
 
@@ -18,7 +18,8 @@ AXES = 0.09  # m that the axes reach from the glenohumeral centre
 APART = (
     0.17  # m from the middle of the body to a glenohumeral centre, as in both_shoulders.launch.py
 )
-THIN = 0.0012  # m, of the axes
+CROSS = 0.012  # m that the cross at the skeleton's root reaches from its middle
+THIN = 0.0012  # m, of the axes and the cross
 PIXELS = 1500.0  # a metre of line width: constant on the screen, at a third of the work
 BEAD = 0.02  # m: smaller balls are drawn with few triangles
 BALL, SMALL_BALL = (trimesh.creation.icosphere(subdivisions=k, radius=0.5) for k in (3, 1))
@@ -48,15 +49,50 @@ class MuscleScene:
         self._place = self._scene.add_frame(prefix, show_axes=False)
         self._handles: dict[str, Any] = {}
         self._labels: list[Any] = []
+        self._root: list[Any] = []
         self._side = ''
+        self._away = np.zeros(3)
 
     def place_shoulder(self, side: str, muscles: int) -> None:
         """Move the muscle to the shoulder of a side, or to the middle if it is the only one."""
         away = APART if side == 'right' else -APART
-        self._place.position = (UNIT * away if muscles > 1 else 0.0, 0.0, 0.0)
+        self._away = np.array((UNIT * away if muscles > 1 else 0.0, 0.0, 0.0))
+        self.pose_ground(np.eye(3, 4))
         if side != self._side:
             self._side = side
             self._draw_axes(1.0 if side == 'right' else -1.0)
+
+    def pose_ground(self, pose: Floats) -> None:
+        """Move the muscle, with its ground bone, to a pose (3, 4), m, at its shoulder."""
+        self._place.wxyz, self._place.position = self._as_placed(pose)
+
+    def mark_root(self, name: str, pose: Floats | None) -> None:
+        """Draw a cross where the root of the skeleton holds still, with its name; None: nowhere."""
+        for part in self._root:
+            part.remove()
+        self._root = []
+        if pose is None:
+            return
+        wxyz, position = self._as_placed(pose)
+        arms = UNIT * CROSS * np.eye(3)
+        path = f'{self._prefix}.root'  # beside all topics, whose names have no dots
+        self._root = [
+            self._scene.add_line_segments(
+                path,
+                np.stack((-arms, arms), axis=1),
+                GREY,
+                thickness=PIXELS * THIN,
+                thickness_units='screen',
+                wxyz=wxyz,
+                position=position,
+            ),
+            self._scene.add_label(f'{path}/name', name),
+        ]
+
+    def _as_placed(self, pose: Floats) -> tuple[Floats, Floats]:
+        """Return a pose (3, 4), m, at its shoulder as the library has it: w x y z and a point."""
+        turn = viser.transforms.SO3.from_matrix(pose[:, :3])
+        return turn.wxyz, self._away + UNIT * pose[:, 3]
 
     def _draw_axes(self, lateral: float) -> None:
         """Draw the axes of the scapula with their anatomical names."""
@@ -80,8 +116,8 @@ class MuscleScene:
         ]
 
     def show_axes(self, visible: bool) -> None:
-        """Show or hide the axes and their names."""
-        for label in self._labels:
+        """Show or hide the axes and the mark of the root, with their names."""
+        for label in (*self._labels, *self._root):
             label.visible = visible
 
     def draw(self, drawables: dict[str, Drawable]) -> None:
