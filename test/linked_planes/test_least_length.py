@@ -244,6 +244,15 @@ def test_pierced_bands_are_shortest_in_whichever_stretch_of_the_circle(stretch: 
         assert found == pytest.approx(end, abs=1e-6)
 
 
+def test_two_pierced_bands_balance_at_their_shortest_however_far_from_the_guess() -> None:
+    near = np.linspace(-0.02, 0.02, 801)  # rad
+    for seed in range(20, 36):
+        posed = Posed(seed, 'deltoid')
+        theta, held = solve_theta(posed.bands, 0.0)
+        scan = reference.total_at(posed.muscle, posed.rotation, theta + near).min()
+        assert energy(posed.bands, theta, False, held)[0] <= scan + LEAST
+
+
 def test_the_circle_is_not_searched_where_one_valley_or_none_will_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

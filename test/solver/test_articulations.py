@@ -7,6 +7,7 @@ and 2e-4 rad, 1e-9 m), away from kinks.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,18 @@ from linkedplane_ros import (
     Skeleton,
 )
 from linkedplane_ros.joints.articulation import Articulation
+from linkedplane_ros.muscle.bones import Bones
 from linkedplane_ros.skeleton.followed_girdle import FollowedGirdle
 from linkedplane_ros.types import Floats
 
 DELTOID, GIRDLE = (BroadMuscle.load(name) for name in ('deltoid', 'deltoid_girdle'))
+FOUR_BONES = replace(
+    GIRDLE,
+    bones=Bones(
+        ('scapula', 'clavicle', 'sternum', 'humerus'),
+        origin=('sternum', 'clavicle', *['scapula'] * 7),
+    ),
+)
 SIDES = ('right', 'left')
 Q = np.array([0.1, -0.2, 0.15, -0.1, 0.2, 0.05, 0.3, 0.8, -0.2])
 ANGLES = np.array([0.3, 1.1, -0.2])
@@ -40,11 +49,19 @@ ARM = """<robot name="arm">
 <joint name="lift" type="revolute"><parent link="scapula"/><child link="humerus"/>
 <origin xyz="{m}0.001 0.002 0" rpy="-0.1 {m}0.1 {m}0.2"/><axis xyz="0.3 {m}1 {m}0.2"/>
 <limit lower="-3" upper="3"/></joint></robot>"""
+STERNUM = """<link name="sternum"/><joint name="lean" type="revolute"><parent link="clavicle"/>
+<child link="sternum"/><origin xyz="-0.1 0.1 0"/><axis xyz="1 0 2"/><limit lower="-3" upper="3"/>
+</joint></robot>"""
 
 
 def arm(side: str) -> Skeleton:
     m = '' if side == 'right' else '-'
     return Skeleton.from_urdf(ARM.format(m=m)).for_bones(GIRDLE.bones.names)
+
+
+def arm_of_four_bones() -> Skeleton:
+    urdf = ARM.format(m='').replace('</robot>', STERNUM)
+    return Skeleton.from_urdf(urdf).for_bones(FOUR_BONES.bones.names)
 
 
 def by_differences(solver: LinkedPlaneSolver, moved_by: Articulation, q: Floats) -> Floats:
@@ -68,6 +85,7 @@ def every_articulation() -> list[Any]:
         (GIRDLE, girdle, Q),
         (DELTOID, girdle.for_bones(DELTOID.bones.names), Q),
         (GIRDLE, arm('right'), np.array([0.01, -0.7])),
+        (FOUR_BONES, arm_of_four_bones(), np.array([0.01, -0.7, 0.2])),
     ]
     for rhythm in RHYTHMS.values():
         for muscle in (DELTOID, GIRDLE):
