@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..joints.conventions import JOINT_CONVENTIONS, MINUS_Y, JointConvention, X, Z, as_triple
 from ..types import Floats, Triple
 from .skeleton import BonePose, Skeleton
@@ -34,6 +34,10 @@ GIRDLE = JointConvention(
     'thorax',
 )
 """The angles of scapula and clavicle against the thorax."""
+# Larger angles of a hanging arm are degrees: nobody's scapula or clavicle is a right angle from the
+# thorax's axes (the range of the second turn, too), and an arm that is raised so far does not hang.
+MOST_AT_REST = np.pi / 2
+MOST_PLANE = 3.15  # a plane of elevation goes all around: pi, also if it was rounded up
 
 
 @dataclass(frozen=True)
@@ -50,10 +54,12 @@ class Rest:
         return f'{angles} rad'
 
     def __post_init__(self) -> None:
-        as_triple('rest: scapula', self.scapula, 'rad')
-        as_triple('rest: clavicle', self.clavicle, 'rad')
+        for bone, angles in ('scapula', self.scapula), ('clavicle', self.clavicle):
+            as_triple(f'rest: {bone}', angles, 'rad')
+            _refuse_degrees(f'rest: {bone}', angles, (MOST_AT_REST,) * 3)
         if self.humerus is not None:
             as_triple('rest: humerus', (*self.humerus, 0.0), 'rad')
+            _refuse_degrees('rest: humerus', self.humerus, (MOST_PLANE, MOST_AT_REST))
 
     @classmethod
     def measured(
@@ -104,7 +110,7 @@ class Rest:
         Raises
         ------
         LinkedPlaneError
-            For another count, and for numbers that are not finite.
+            For another count, for numbers that are not finite, and for such as only degrees are.
         """
         if len(numbers) not in (3, 5):
             raise LinkedPlaneError(
@@ -112,7 +118,20 @@ class Rest:
                 'or 5, with plane and elevation of the humerus'
             )
         a, b, c, *humerus = numbers
-        return cls((a, b, c), humerus=(humerus[0], humerus[1]) if humerus else None)
+        try:
+            return cls((a, b, c), humerus=(humerus[0], humerus[1]) if humerus else None)
+        except LinkedPlaneError as error:
+            raise LinkedPlaneError(name + str(error).removeprefix('rest')) from None
+
+
+def _refuse_degrees(name: str, angles: Sequence[float], most: Sequence[float]) -> None:
+    """Raise a LinkedPlaneError for angles, rad, that a hanging arm has only in degrees."""
+    if any(abs(angle) > bound for angle, bound in zip(angles, most, strict=True)):
+        bounds = ' and '.join(dict.fromkeys(f'{bound:.4g}' for bound in most))
+        raise LinkedPlaneError(
+            f'{name}: {describe_value(angles)} given, degrees? rad expected, at most {bounds} '
+            'either way with the arm hanging'
+        )
 
 
 @dataclass(frozen=True, eq=False)

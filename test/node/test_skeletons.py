@@ -252,6 +252,8 @@ def test_links_of_other_names_are_the_bones_that_bone_links_says(
         ({'muscle': 'deltoid', 'skeleton': 'hip'}, "hip: no link of that name for bone 'scapula'"),
         ({'skeleton': '', 'rest': 'still'}, "parameter rest: 'still' given, only with a rhythm"),
         ({'skeleton': '', 'rhythm': 'mobl', 'rest': 'soon'}, "'still', 3 or 5 numbers in rad"),
+        ({'skeleton': '', 'rhythm': 'mobl', 'rest': '32 10.7 -10.3'}, 'parameter rest: scapula: '),
+        ({'skeleton': '', 'rhythm': 'mobl', 'rest': '32 11 -10 still'}, 'degrees? rad expected'),
     ],
 )  # fmt: skip
 def test_what_does_not_go_together_is_refused_and_changes_nothing(

@@ -218,3 +218,29 @@ def test_another_rhythm_is_refused(given: str) -> None:
 def test_a_rest_that_is_no_numbers_is_refused() -> None:
     with pytest.raises(LinkedPlaneError, match='rest: scapula'):
         Rest((0.0, np.nan, 0.0))
+
+
+@pytest.mark.parametrize(
+    ('angles', 'bone'),
+    [
+        ({'scapula': (32, 10.7, -10.3)}, 'scapula'),
+        ({'scapula': (0.3, 0.1, -10.3)}, 'scapula'),
+        ({'clavicle': (-28.57, 11.68, 7.48)}, 'clavicle'),
+        ({'humerus': (-26.0, 0.24)}, 'humerus'),
+        ({'humerus': (-0.45, 14.0)}, 'humerus'),
+    ],
+)
+def test_a_rest_in_degrees_is_refused(angles: dict[str, Any], bone: str) -> None:
+    with pytest.raises(LinkedPlaneError, match=f'^rest: {bone}: .* given, degrees[?] rad expected'):
+        Rest(**angles)
+
+
+def test_a_rest_s_numbers_in_degrees_are_refused_by_the_name_they_were_given_under() -> None:
+    for numbers in (32, 10.7, -10.3), (0.5, 0.2, -0.2, -26, 14):
+        with pytest.raises(LinkedPlaneError, match=r'^parameter rest: (scap|hum).*: .*degrees'):
+            Rest.from_numbers(numbers, 'parameter rest')
+
+
+def test_a_rest_may_have_any_plane_of_elevation_and_a_steep_scapula() -> None:
+    for plane in (3.1416, -np.pi):
+        assert Rest((1.5, -1.5, 1.5), humerus=(plane, 1.5)).humerus == (plane, 1.5)
