@@ -98,3 +98,17 @@ def test_the_age_of_each_joint_is_that_of_its_arrival() -> None:
     take(memory, 'flexion', arrival=1.0)
     take(memory, 'rotation', arrival=3.0)
     assert memory.find_ages(5.0) == {'flexion': 4.0, 'rotation': 2.0}
+
+
+def test_a_message_without_a_stamp_is_as_old_as_its_arrival() -> None:
+    memory = memory_of(0.1)
+    take(memory, *NAMES, stamp=100.0, arrival=7.0)
+    memory.take_message(NAMES[:1], (0.1,), (), None, 7.05)
+    with pytest.raises(Rejected, match=r"'abduction' has not come for 0\.15 s"):
+        memory.take_message(NAMES[:1], (0.1,), (), None, 7.15)
+
+
+def test_arrivals_that_are_not_given_are_at_0_s() -> None:
+    memory = memory_of(0.0)
+    memory.take_message(NAMES, (0.1, 0.2, 0.3), ())
+    assert memory.find_ages(2.0) == dict.fromkeys(NAMES, 2.0)
