@@ -13,6 +13,7 @@ from linkedplane_ros.linked_planes.chain import energy, planes_exist
 from linkedplane_ros.linked_planes.whole_circle import (
     breaks_of,
     descend_from,
+    rule_out,
     sample,
     search_circle,
     slackest,
@@ -86,6 +87,19 @@ def test_a_descent_from_anywhere_goes_down_and_ends_on_the_floor_or_at_its_reach
             moved = floor + start - short
             assert 0.1 * abs(start) < abs(moved) < 0.3 * abs(start)
             assert np.sign(moved) == np.sign(start)
+
+
+@pytest.mark.parametrize('case', CASES, ids=str)
+def test_what_is_left_once_the_circle_is_ruled_out_is_no_longer_than_a_scan(
+    case: tuple[int, str],
+) -> None:
+    posed = Posed(*case)
+    samples = [sample(posed.bands, x) for x in np.linspace(-np.pi, np.pi, 9).tolist()]
+    totals = reference.total_at(posed.muscle, posed.rotation, reference.circle(720))
+    worst = float(reference.circle(720)[totals.argmax()])
+    best = rule_out(posed.bands, samples, (float(totals.max()), worst, -1), 0.3)
+    assert best[0] <= totals.min() + 1e-9  # m
+    assert best[0] == energy(posed.bands, best[1], False, best[2])[0]
 
 
 @pytest.mark.parametrize('case', CASES, ids=str)
