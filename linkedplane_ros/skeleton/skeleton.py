@@ -17,7 +17,7 @@ from ..files import read_regular_file
 from ..joints.articulation import MovedBones
 from ..joints.conventions import as_triple
 from ..joints.rotations import as_floats
-from ..joints.sides import mirror_poses, mirror_screws
+from ..joints.sides import check_side, mirror_poses, mirror_screws
 from ..types import Floats, Intervals
 from .bone_place import Origin, split_place
 from .joint_tree import JointTree, list_names
@@ -231,13 +231,17 @@ class Skeleton:
         used = set(chain.joints[moves, SOURCE].tolist())
         return tuple(name for i, name in enumerate(self.coordinates) if i in used)
 
-    def pose(self, q: npt.ArrayLike) -> dict[str, BonePose]:
+    def pose(self, q: npt.ArrayLike, side: str = '') -> dict[str, BonePose]:
         """Return the poses of the moving bones.
 
         Parameters
         ----------
         q
             (d,) rad, or m of prismatic joints, in the order of `coordinates`.
+        side
+            The muscle's (`solver.side`): poses are then as `solve_bones` takes them, in
+            right-shoulder form, of a skeleton as `move_bones` says. Empty: as the URDF has them,
+            which for a muscle is right only if it and the skeleton are of the right side.
 
         Returns
         -------
@@ -247,19 +251,22 @@ class Skeleton:
 
         Raises
         ------
-        SkeletonError
-            For anything but d finite numbers.
+        LinkedPlaneError
+            For anything but d finite numbers, and for another side.
 
         """
-        return self.pose_and_screws(q)[0]
+        return self.pose_and_screws(q, side)[0]
 
-    def screws(self, q: npt.ArrayLike) -> Floats:
+    def screws(self, q: npt.ArrayLike, side: str = '') -> Floats:
         """Return how each coordinate moves each bone.
 
         Parameters
         ----------
         q
             (d,) as for `pose`.
+        side
+            The muscle's (`solver.side`): screws are then in the frame of that side, as the
+            `wrenches` of a state are. Empty: as the URDF has them, as for `pose`.
 
         Returns
         -------
@@ -270,19 +277,23 @@ class Skeleton:
 
         Raises
         ------
-        SkeletonError
+        LinkedPlaneError
             As `pose`.
 
         """
-        return self.pose_and_screws(q)[1]
+        return self.pose_and_screws(q, side)[1]
 
-    def pose_and_screws(self, q: npt.ArrayLike) -> tuple[dict[str, BonePose], Floats]:
+    def pose_and_screws(
+        self, q: npt.ArrayLike, side: str = ''
+    ) -> tuple[dict[str, BonePose], Floats]:
         """Return `pose` and `screws` at once.
 
         Parameters
         ----------
         q
             (d,) as for `pose`.
+        side
+            As for `pose` and `screws`.
 
         Returns
         -------
@@ -293,11 +304,11 @@ class Skeleton:
 
         Raises
         ------
-        SkeletonError
+        LinkedPlaneError
             As `pose`.
 
         """
-        poses, screws = self._move(self._as_values(q)[np.newaxis])
+        poses, screws = self._move_for(self._as_values(q)[np.newaxis], side)
         return {
             bone: (pose[:, :3], pose[:, 3])
             for bone, pose in zip(self.bones[1:], poses[0], strict=True)
@@ -323,20 +334,24 @@ class Skeleton:
 
         Raises
         ------
-        SkeletonError
+        LinkedPlaneError
             As `pose`.
 
         """
+        if side != '':
+            check_side(side)
         pose = self._from_root._move(self._as_values(q)[np.newaxis]).poses[0, 0]
         return mirror_poses(pose) if side and self.side and side != self.side else pose
 
-    def pose_batch(self, q: npt.ArrayLike) -> dict[str, BonePose]:
+    def pose_batch(self, q: npt.ArrayLike, side: str = '') -> dict[str, BonePose]:
         """Return the poses at many values; each is, to the bit, that of `pose`.
 
         Parameters
         ----------
         q
             (m, d) as for `pose`; m may be 0.
+        side
+            As for `pose`.
 
         Returns
         -------
@@ -345,22 +360,24 @@ class Skeleton:
 
         Raises
         ------
-        SkeletonError
+        LinkedPlaneError
             As `pose`.
 
         """
-        poses = self._move(self._as_values(q, batch=True)).poses
+        poses = self._move_for(self._as_values(q, batch=True), side).poses
         return {
             bone: (poses[:, k, :, :3], poses[:, k, :, 3]) for k, bone in enumerate(self.bones[1:])
         }
 
-    def screws_batch(self, q: npt.ArrayLike) -> Floats:
+    def screws_batch(self, q: npt.ArrayLike, side: str = '') -> Floats:
         """Return the screws at many values; each is, to the bit, that of `screws`.
 
         Parameters
         ----------
         q
             (m, d) as for `pose`; m may be 0.
+        side
+            As for `screws`.
 
         Returns
         -------
@@ -369,11 +386,11 @@ class Skeleton:
 
         Raises
         ------
-        SkeletonError
+        LinkedPlaneError
             As `pose`.
 
         """
-        return self._move(self._as_values(q, batch=True)).screws
+        return self._move_for(self._as_values(q, batch=True), side).screws
 
     def move_bones(self, values: npt.ArrayLike, bones: Sequence[str], side: str) -> MovedBones:
         """Return the bones of a muscle at values of the coordinates (`Articulation`).
@@ -403,10 +420,8 @@ class Skeleton:
             For other bones, and anything but finite numbers (m, d).
         """
         self.pack_for(bones)
-        moved = self._move(self._as_values(values, 'values', batch=True))
-        if (self.side or side) == 'left':
-            return MovedBones(mirror_poses(moved.poses), mirror_screws(moved.screws))
-        return moved
+        check_side(side)
+        return self._move_as_right(self._as_values(values, 'values', batch=True), side)
 
     def pack_for(self, bones: Sequence[str]) -> Chain:
         """Return the chain as the kernels take it.
@@ -455,6 +470,21 @@ class Skeleton:
         moved = MovedBones(np.empty((m, k, 3, 4)), np.empty((m, d, k, 6)))
         pose_bones(*self._chain, values, *moved)
         return moved
+
+    def _move_as_right(self, values: Floats, side: str) -> MovedBones:
+        """Return the bones of a muscle of a side, right-shoulder form."""
+        moved = self._move(values)
+        if (self.side or side) == 'left':
+            return MovedBones(mirror_poses(moved.poses), mirror_screws(moved.screws))
+        return moved
+
+    def _move_for(self, values: Floats, side: str) -> MovedBones:
+        """Return poses as a solver takes them and screws as its wrenches are; by no side, plain."""
+        if side == '':
+            return self._move(values)
+        check_side(side)
+        poses, screws = self._move_as_right(values, side)
+        return MovedBones(poses, mirror_screws(screws) if side == 'left' else screws)
 
     @cached_property
     def _from_root(self) -> Skeleton:
