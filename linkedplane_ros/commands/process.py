@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
@@ -156,6 +156,7 @@ def run(args: argparse.Namespace) -> None:
     from ..processing.inputs import build_tasks, find_recordings, is_single
     from ..processing.options import Options
     from ..processing.workers import run_tasks
+    from ..skeleton.lost_plane import caution_of
     from ..skeleton.rhythms import rhythm_from
 
     options = Options(**{field.name: getattr(args, field.name) for field in fields(Options)})
@@ -163,9 +164,13 @@ def run(args: argparse.Namespace) -> None:
         rhythm = rhythm_from(options.rhythm or 'constant_ratio')
         print(f'angles against the thorax: the scapula follows the humerus by {rhythm} '
               '(--rhythm), an assumption')  # fmt: skip
-    caution = JOINT_CONVENTIONS[options.convention].caution
-    if caution and not (options.has_poses or options.follows or options.skeleton):
-        print(f'linkedplane: {caution}', file=sys.stderr)
+    convention = options.joint_convention
+    cautions: Iterable[str] = filter(None, [convention.caution])
+    if options.follows:
+        cautions = caution_of(convention, rhythm)
+    if not (options.has_poses or options.skeleton):
+        for caution in cautions:
+            print(f'linkedplane: {caution}', file=sys.stderr)
     out = Path(args.out)
     sources, faults = find_recordings(args.inputs)
     single = is_single(args.inputs, sources, out)

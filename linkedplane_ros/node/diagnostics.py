@@ -29,6 +29,10 @@ class Tally:
     received: int = 0
     answered: int = 0
     near_singular: int = 0
+    without_plane: int = 0
+    """Answers near the side, where a rhythm needs the plane of elevation and nothing says it."""
+    beyond_limits: int = 0
+    """Answers with a joint of the skeleton far beyond its limits."""
     outside: int = 0
     """Answers at poses outside the model's range of motion."""
     beyond: int = 0
@@ -81,6 +85,9 @@ class Tally:
             return DiagnosticStatus.STALE, f'no joint states for {age:.1f} s'
         if warnings := '; '.join(self._find_warnings(new)):
             return DiagnosticStatus.WARN, warnings
+        if near := new['without_plane']:
+            line = f'answering; {near} near the singularity, the arm at the side, whose plane of '
+            return DiagnosticStatus.OK, f'{line}elevation the rhythm needs: moment arms jump'
         if near := new['near']:
             line = f'answering; {near} near the singularity, where two moment arms are nearly equal'
             return DiagnosticStatus.OK, f'{line}: use the moment vectors'
@@ -92,6 +99,8 @@ class Tally:
             rejected=sum(self.rejected.values()),
             answered=self.answered,
             near=self.near_singular,
+            without_plane=self.without_plane,
+            beyond_limits=self.beyond_limits,
             outside=self.outside,
             beyond=self.beyond,
         )
@@ -121,6 +130,11 @@ class Tally:
             yield (
                 f'{new["beyond"]} with a moment arm of more than {REACH_FACTOR:g} times the '
                 'distance of the insertion: a small error of the pose changes it a lot'
+            )
+        if new['beyond_limits'] > OUTSIDE_SHARE * new['answered']:
+            yield (
+                f'{new["beyond_limits"]} of {new["answered"]} with a joint beyond its limits by '
+                'more than a tenth of its range: mm, degrees, or the other sign?'
             )
         if new['outside'] > OUTSIDE_SHARE * new['answered']:
             yield (
@@ -164,7 +178,8 @@ def build_status(
     values['messages answered'] = str(tally.answered)
     values['messages of other joints'] = str(tally.others)
     values['peers that do not fit'] = str(len(tally.incompatible_peers))
-    values['answers near the singularity'] = str(tally.near_singular)
+    values['answers near the singularity'] = str(tally.near_singular + tally.without_plane)
+    values['answers beyond limits of joints'] = str(tally.beyond_limits)
     values['poses outside the range of motion'] = str(tally.outside)
     values['answers with a moment arm beyond its bound'] = str(tally.beyond)
     for reason in REASONS:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from posixpath import join
 from time import perf_counter
 from typing import Any
@@ -24,7 +25,11 @@ from ..joints.conventions import NEAR_SINGULAR, sine_of_singularity
 from ..joints.joint_state import OtherJoints, Rejected
 from ..linked_planes.compilation import COMPILED
 from ..processing.lengthening import LengthRates
+from ..skeleton.followed_girdle import FollowedGirdle
+from ..skeleton.joint_limits import JointLimits
+from ..skeleton.lost_plane import count_without_plane
 from ..skeleton.measured import MeasuredBones
+from ..skeleton.skeleton import Skeleton
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from ..solver.moment_bounds import moment_arm_bounds
 from ..solver.states import Answer, MuscleState
@@ -33,7 +38,7 @@ from . import qos
 from .diagnostics import STALE_AFTER, Tally, build_status
 from .markers import MuscleMarkers
 from .messages import Answers, message_class
-from .range_count import OutsideCounter
+from .range_count import OddCounter
 from .settings import Settings
 from .topics import BONE_OUTPUTS, NODE_NAME, OUTPUTS
 
@@ -107,7 +112,8 @@ class MuscleOutputs:
             muscle, settings.frame_id, settings.markers_points, settings.markers_details
         )
         self._limiter = RateLimiter(settings.markers_rate)
-        self._outside = OutsideCounter(muscle)
+        self._outside = OddCounter(muscle.count_outside_range)
+        self._odd_values = _count_odd_values(moved_by)
         self._bounds = moment_arm_bounds(muscle)
         self._least_square = float(self._bounds.min()) ** 2
         self.tally.oldest = settings.joint_timeout or STALE_AFTER
@@ -202,6 +208,8 @@ class MuscleOutputs:
             self._publish_markers(state, stamp)
         tally.answered += 1
         self._outside.add(state.rotation)
+        for counter in self._odd_values.values():
+            counter.add(np.array(angles))
         if answer.axes is not None:
             tally.near_singular += sine_of_singularity(answer.axes) < NEAR_SINGULAR
         tally.last_state, self._last_stamp = state, stamp
@@ -290,6 +298,8 @@ class MuscleOutputs:
         """Return the status of this muscle for the diagnostics; `ages` of the joints, s."""
         self.tally.ages = ages
         self.tally.outside += self._outside.take_count()
+        for name, counter in self._odd_values.items():
+            setattr(self.tally, name, getattr(self.tally, name) + counter.take_count())
         settings, side = self._settings, self._solver.side
         facts = {
             'muscle': self.name,
@@ -306,6 +316,15 @@ class MuscleOutputs:
             perf_counter(),
             facts,
         )
+
+
+def _count_odd_values(moved_by: Articulation | None) -> dict[str, OddCounter]:
+    """Return what counts odd values of coordinates, by the count of the tally."""
+    if isinstance(moved_by, FollowedGirdle):
+        return {'without_plane': OddCounter(partial(count_without_plane, moved_by))}
+    if isinstance(moved_by, Skeleton):
+        return {'beyond_limits': OddCounter(JointLimits.from_skeleton(moved_by).count_beyond)}
+    return {}
 
 
 def status_name(node: Node, muscle: str) -> str:

@@ -1,45 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses outside the range of motion are counted, in next to no time."""
+"""What is odd of answers is counted many at a time, in next to no time."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ..muscle.broad_muscle import BroadMuscle
 from ..types import Floats
 
-AT_ONCE = 256  # poses: checking one alone takes as long as solving it
+AT_ONCE = 256  # checking one pose alone takes as long as solving it
 
 
-class OutsideCounter:
-    """Counts the poses outside a muscle's range of motion, many at a time.
+class OddCounter:
+    """Counts poses or values that are odd, many at a time.
 
     Parameters
     ----------
-    muscle
-        Without a range of motion no pose is outside.
+    count
+        Returns how many of many are odd.
 
     """
 
-    def __init__(self, muscle: BroadMuscle) -> None:
-        self._muscle = muscle
-        self._poses = bytearray()
-        self._outside = 0
+    def __init__(self, count: Callable[[Floats], int]) -> None:
+        self._count = count
+        self._bytes = bytearray()
+        self._odd = 0
 
-    def add(self, rotation: Floats) -> None:
-        """Add a pose (3, 3), right-shoulder form."""
-        self._poses += rotation.tobytes()
-        if len(self._poses) == AT_ONCE * rotation.nbytes:
-            self._check_poses()
+    def add(self, each: Floats) -> None:
+        """Add a pose or values, an array of one shape throughout."""
+        self._shape = each.shape
+        self._bytes += each.tobytes()
+        if len(self._bytes) == AT_ONCE * each.nbytes:
+            self._check()
 
     def take_count(self) -> int:
-        """Return how many were outside since the last time."""
-        if self._poses:
-            self._check_poses()
-        count, self._outside = self._outside, 0
+        """Return how many were odd since the last time."""
+        if self._bytes:
+            self._check()
+        count, self._odd = self._odd, 0
         return count
 
-    def _check_poses(self) -> None:
-        rotations = np.frombuffer(self._poses).reshape(-1, 3, 3)
-        self._outside += self._muscle.count_outside_range(rotations)
-        self._poses = bytearray()
+    def _check(self) -> None:
+        self._odd += self._count(np.frombuffer(self._bytes).reshape(-1, *self._shape))
+        self._bytes = bytearray()

@@ -14,7 +14,9 @@ from ..joints.frame_names import check_frame_name
 from ..joints.joint_state import FULL_CIRCLE, JointMap
 from ..muscle.broad_muscle import BroadMuscle
 from ..processing.motion_source import MotionSource
+from ..skeleton.followed_girdle import FollowedGirdle
 from ..skeleton.joint_tree import list_names
+from ..skeleton.lost_plane import caution_of
 from ..solver.linked_plane_solver import LinkedPlaneSolver
 from .articulated_frames import TF_INPUT, articulate_frames
 from .articulations import NOTHING, Articulations, Received, articulate, check_combination
@@ -54,6 +56,9 @@ class Settings:
             if self.scale != '1':
                 yield f'scale {self.scale} is of the muscle; the skeleton stays as its URDF has it'
             return
+        for moved_by in self.articulations.moved_by[:1]:  # one rhythm for all muscles
+            if isinstance(moved_by, FollowedGirdle) and not self.sources:
+                yield from caution_of(moved_by.convention, moved_by.rhythm)
         if self.convention.caution and 'rhythm' not in facts and not self.sources:
             yield self.convention.caution
         if held := facts.get('bones held at rest'):

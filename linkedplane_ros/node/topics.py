@@ -56,10 +56,11 @@ DIAGNOSTICS = Topic(
     'Once a second, for each muscle: messages received, answered, of other joints, and rejected by '
     'reason; solve and callback times (mean, 99th percentile, worst); the age of the input, and of '
     "each joint's value; theta and wrap states; convention, muscle, compiled or not; answers near "
-    'the singularity, at poses outside the range of motion, and with a moment arm beyond its bound '
+    'the singularity, with a joint of the skeleton beyond its limits by more than a tenth of its '
+    'range, at poses outside the range of motion, and with a moment arm beyond its bound '
     "(3 times the insertion's distance from the joint); peers whose quality of service does not "
     'fit. OK; WARN: in the last second something was rejected, a moment arm was beyond its bound, '
-    'or more than a tenth of the poses were outside; a joint is older than 3 s, or than '
+    'or more than a tenth of the poses or joints were outside; a joint is older than 3 s, or than '
     '`joint_timeout`; a peer does not fit; another node has the same name; ERROR: nothing was '
     'usable so far; STALE: no input yet, or none for 3 s.',
     depth=10,

@@ -10,10 +10,15 @@ from operator import itemgetter
 
 import numpy as np
 
+from ..joints.articulation import PRISMATIC
 from ..joints.conventions import JOINT_CONVENTIONS, JointConvention
 from ..muscle.broad_muscle import BroadMuscle
 from ..recordings.motion import Motion
 from ..recordings.units import AngleRange, doubt_radians
+from ..skeleton.followed_girdle import FollowedGirdle
+from ..skeleton.joint_limits import JointLimits
+from ..skeleton.lost_plane import count_without_plane
+from ..skeleton.skeleton import Skeleton
 from ..types import Floats
 from .motion_source import MotionSource
 from .options import Options
@@ -25,6 +30,7 @@ FAR = math.radians(45.0)
 FAR_SHARE = 0.1
 # Real glenohumeral motion lies up to 28 % outside.
 OUTSIDE_SHARE = 0.5
+DEGREES = math.degrees(1.0)
 SAMPLES = 100  # frames of a chunk that are kept, to look for the cause
 
 
@@ -49,7 +55,14 @@ class Plausibility:
         """Begin with no frame."""
         self.muscle, self.options, self.motion, self.moved = muscle, options, motion, moved
         self.frames = self.outside = self.far = 0
-        self.met = AngleRange(moved.coordinates)
+        kinds = moved.moved_by.kinds
+        self.met = AngleRange(
+            moved.coordinates, [' m' if kind == PRISMATIC else '' for kind in kinds]
+        )
+        self._to_shown = np.array([1.0 if kind == PRISMATIC else DEGREES for kind in kinds])
+        self.without_plane = 0
+        self._limits = _limits_of(moved)
+        self._beyond = np.zeros(len(kinds), dtype=np.int64)
         self._samples: list[Floats] = []
 
     def extend(self, solved: SolvedChunk) -> None:
@@ -59,7 +72,11 @@ class Plausibility:
         self.outside += self.muscle.count_outside_range(rotations)
         if not self.motion.unit.said:
             self.far += self.muscle.count_outside_range(rotations, FAR)
-        self.met.extend(np.degrees(angles))
+        self.met.extend(angles * self._to_shown)
+        if isinstance(self.moved.moved_by, FollowedGirdle):
+            self.without_plane += count_without_plane(self.moved.moved_by, angles)
+        if self._limits is not None:
+            self._beyond += self._limits.find_beyond(angles).sum(axis=0)
         self._samples.append(angles[:: max(1, len(angles) // SAMPLES)])
 
     def check_unit(self) -> None:
@@ -78,18 +95,46 @@ class Plausibility:
             )
 
     @property
+    def notes(self) -> Iterator[str]:
+        """What is odd of the values, a line each."""
+        if self.without_plane:
+            yield (
+                f'{self.without_plane:,} of {self.frames:,} frames near the singularity, the arm '
+                'at the side, whose plane of elevation the rhythm needs: moment arms jump there'
+            )
+        for k in np.flatnonzero(self._beyond).tolist():
+            assert self._limits is not None
+            low, high = (
+                ends[k] / self._to_shown[k] for ends in (self.met.lowest, self.met.highest)
+            )
+            yield (
+                f'warning: {self.motion.path}: {self._beyond[k]:,} of {self.frames:,} frames far '
+                'beyond the limits of a joint: '
+                + self._limits.describe(k, low, high, self.motion.unit.said)
+            )
+
+    @property
     def warning(self) -> str:
         """What to say where most frames lie outside the model's range; empty: nothing."""
         if self.outside <= OUTSIDE_SHARE * self.frames:
             return ''
-        causes = [] if self.motion.unit.said else ['degrees (--degrees)?']
-        causes += self._better_readings() or ['another --convention?', 'other --signs?']
-        if not self.options.follows:
+        said = self.motion.unit.said or self.options.has_poses
+        causes = [] if said else ['degrees (--degrees)?']
+        causes += self._better_readings() or self._other_options()
+        if not (self.options.follows or self.options.skeleton):
             causes.append('angles against the thorax instead of the scapula?')
         return (
             f"{self.outside:,} of {self.frames:,} frames lie outside the model's range of motion; "
             f'met, in deg: {self.met.describe()}; {" ".join(causes)}'
         )
+
+    def _other_options(self) -> list[str]:
+        """Return what may be wrong of the options that this motion takes."""
+        if self.options.has_poses:
+            return ['other frames, or other axes (--frame-axes)?', 'another rest (--rest-frames)?']
+        if self.options.skeleton:
+            return ['other joints (--joint-names)?', 'another --skeleton?']
+        return ['another --convention?', 'other --signs?']
 
     def _better_readings(self) -> list[str]:
         """Return the options that would bring most frames into the range, the best one first."""
@@ -118,3 +163,10 @@ class Plausibility:
             signs = np.array(turn) * joints.signs
             text = ' '.join(f'{sign:g}' for sign in signs)
             yield f'--signs {text}', chosen, recorded * signs + joints.offsets
+
+
+def _limits_of(moved: MotionSource) -> JointLimits | None:
+    """Return the limits of recorded joints; values that are found from poses keep to them."""
+    if moved.joints is None or not isinstance(moved.moved_by, Skeleton):
+        return None
+    return JointLimits.from_skeleton(moved.moved_by)

@@ -206,7 +206,7 @@ def _run(task: Task, progress: Progress) -> Report:
         perf_counter() - begin,
         dict(refused.counts),
         dict(refused.first),
-        (*refused.notes, *refused.warn(), *solving.notes),
+        (*refused.notes, *refused.warn(), *solving.notes, *plausibility.notes),
         plausibility.outside,
         plausibility.warning,
         refused.most,

@@ -105,7 +105,8 @@ class BagMotion:
             names = read_joint_names(bag) if unclear else None
             others = {each.topic for each in bag.connections if each.kind == JOINT_STATE}
         chosen = choose_joint_topic(path, topics, topic, '--topic {}', names, joints.needed)
-        words = name_words(path, joints.needed, alone=degrees is None, kind='joint')
+        turning = [name for name in joints.needed if name not in joints.sliding]
+        words = name_words(path, turning, alone=degrees is None, kind='joint')
         unit = decide_unit(path, degrees, words, 'REP 103')
         motion = BagMotion(path, JointFrameReader(chosen, JointMemory(joints), unit))
         others -= {chosen}

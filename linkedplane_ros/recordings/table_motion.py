@@ -55,7 +55,12 @@ class TableMotion:
             raise RecordingError(f'{path}: {error}') from None
         above = head_words(path, self.table.head)
         certain = [word for word in above if word.certain]
-        names = name_words(path, self.columns, alone=degrees is None and not certain)
+        turning = [
+            column
+            for column, name in zip(self.columns, joints.needed, strict=True)
+            if name not in joints.sliding
+        ]
+        names = name_words(path, turning, alone=degrees is None and not certain)
         self.unit = decide_unit(path, degrees, (*names, *(certain if names else above)))
         self.met = AngleRange(joints.turning)
         self._needed = [joints.names.index(name) for name in joints.needed]

@@ -143,14 +143,14 @@ def split_unit(name: str) -> tuple[str, bool | None]:
 def name_words(
     path: Path, names: Sequence[str], alone: bool, kind: str = 'column'
 ) -> tuple[UnitWord, ...]:
-    """Return what the names of the three columns or joints say.
+    """Return what the names of the columns or joints say.
 
     Parameters
     ----------
     path
         The recording.
     names
-        Of its three columns of angles, or joints.
+        Of its columns of angles, or joints that turn.
     alone
         Whether nobody else says a unit: then all names or none have one.
     kind
@@ -173,7 +173,7 @@ def name_words(
         (one, name), (other, second), *_ = units.items()
         raise RecordingError(
             f'{path}: {kind} {name!r} is {texts[one]}, {second!r} {texts[other]}; '
-            'one unit for all three expected'
+            f'one unit for all {len(names)} expected'
         )
     return tuple(UnitWord(unit, f'the names of the {kind}s') for unit, _ in named)
 
@@ -185,11 +185,14 @@ class AngleRange:
     ----------
     names
         (n) the joints.
+    units
+        (n) what is written behind a joint's range; None: nothing.
     """
 
-    def __init__(self, names: Sequence[str]) -> None:
+    def __init__(self, names: Sequence[str], units: Sequence[str] | None = None) -> None:
         """Begin with no angle."""
         self.names = tuple(names)
+        self.units = tuple(units or ('',) * len(self.names))
         self.lowest = [math.inf] * len(self.names)
         self.highest = [-math.inf] * len(self.names)
 
@@ -220,8 +223,8 @@ class AngleRange:
 
     def describe(self) -> str:
         """Return each joint's range in words."""
-        ranges = zip(self.names, self.lowest, self.highest, strict=True)
-        met = (f'{name} {low:.4g} to {high:.4g}' for name, low, high in ranges if low <= high)
+        ranges = zip(self.names, self.lowest, self.highest, self.units, strict=True)
+        met = (f'{name} {a:.4g} to {b:.4g}{unit}' for name, a, b, unit in ranges if a <= b)
         return ', '.join(met) or 'no angles'
 
     def check_circle(self, path: Path) -> None:

@@ -83,13 +83,13 @@ class FollowedGirdle:
 
     def _pose(self, angles: Floats) -> GirdlePose:
         """Return the girdle; by the angles themselves where they say the plane of elevation."""
-        slopes = self._slopes
+        slopes = self.slopes
         if slopes is None:
             return self.rhythm.pose(*self.convention.rotation_and_axes(angles), self.rest)
         return self.rhythm.pose_at(slopes @ angles, slopes, self.rest)
 
     @cached_property
-    def _slopes(self) -> Floats | None:
+    def slopes(self) -> Floats | None:
         """(3, 3) what plane, elevation and axial rotation take of each coordinate; None: unknown.
 
         Of the conventions that turn about the same axes, the last one in either sense.

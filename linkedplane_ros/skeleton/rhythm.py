@@ -39,6 +39,11 @@ class Rhythm(ABC):
     def __str__(self) -> str:
         return self.name
 
+    @property
+    @abstractmethod
+    def needs_plane(self) -> bool:
+        """Whether the girdle depends on the plane of elevation of an arm at the side, too."""
+
     def bones(self, angles: npt.ArrayLike, rest: Rest | None = None) -> dict[str, BonePose]:
         """Return where the bones are at angles of the humerus.
 
@@ -197,6 +202,11 @@ class ConstantRatio(Rhythm):
     def __str__(self) -> str:
         return f'{self.name} {self.ratio:g} to 1'
 
+    @property
+    def needs_plane(self) -> bool:
+        """No: a share of no elevation is none in any plane."""
+        return False
+
     def scapula(self, angles: Floats, rest: Rest | None) -> tuple[Floats, Floats]:
         """Return the scapula; without a rest its frame is the thorax's, arm at the side."""
         S, turn = self._since_side(angles)
@@ -224,6 +234,11 @@ class LinearRhythm(Rhythm):
     clavicle_coefficients: tuple[Coefficients, Coefficients] | None = None
     """Of protraction and elevation; its axial rotation is that of the least turn of the AC joint
     since rest. None: it keeps its place at the scapula."""
+
+    @property
+    def needs_plane(self) -> bool:
+        """Whether any angle has a coefficient of the plane."""
+        return bool(self._scapula_slopes[:, 0].any() or self._clavicle_slopes[:, 0].any())
 
     @cached_property
     def _scapula_slopes(self) -> Floats:

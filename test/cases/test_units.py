@@ -154,7 +154,7 @@ def test_a_name_in_radians_however_it_is_spelt(tmp_path: Path, spelling: str) ->
 @pytest.mark.parametrize(
     ('names', 'reason'),
     [
-        (('flexion_deg', 'abduction_rad', 'rotation_deg'), 'one unit for all three expected'),
+        (('flexion_deg', 'abduction_rad', 'rotation_deg'), 'one unit for all 3 expected'),
         (('flexion_deg', 'abduction', 'rotation'), "'abduction' is without a unit"),
         (('flexion_mrad', 'abduction_mrad', 'rotation_mrad'), 'not in mrad'),
         (('flexion (deg/s)', 'abduction (deg/s)', 'rotation (deg/s)'), 'not in deg/s'),

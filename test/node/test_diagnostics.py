@@ -97,6 +97,14 @@ def test_near_the_singularity_the_line_says_so_and_the_level_stays() -> None:
     assert reported_values(tally)['answers near the singularity'] == '3'
 
 
+def test_near_the_side_the_line_says_what_the_rhythm_lacks() -> None:
+    tally = tally_of(answered=5)
+    tally.without_plane = 3
+    level, line = tally.assess(NOW)
+    assert level == OK
+    assert line.startswith('answering; 3 near the singularity, the arm at the side')
+
+
 def test_peers_that_do_not_fit_warn_and_explain_why_nothing_comes() -> None:
     tally = tally_of(answered=5)
     tally.incompatible_peers = ['nothing comes from lab']
@@ -268,3 +276,25 @@ def test_the_node_counts_answers_near_the_singularity(
     counts = tally.answered, tally.near_singular
     made.destroy_node()
     assert counts == (1, int(near))
+
+
+def test_the_node_counts_answers_whose_plane_a_rhythm_lacks_and_those_beyond_limits(
+    ros: None,
+) -> None:
+    lost = {'rhythm': 'de_groot_brand_2001'}
+    girdle = {'muscle': 'deltoid_girdle', 'skeleton': 'shoulder_girdle'}
+    for given, joints, key, words in (
+        (lost, (0.01, 0.0, 0.1), 'answers near the singularity', ''),
+        (girdle, (3.0, *8 * (0.0,)), 'answers beyond limits of joints', 'answering'),
+        (girdle, (0, 0, 0, 3.0, *5 * (0,)), 'answers beyond limits of joints', '1 of 1 with'),
+    ):
+        made = MuscleStatePublisher(
+            parameter_overrides=[Parameter(name, value=value) for name, value in given.items()]
+        )
+        names = made._settings.joints.names
+        made._answer(JointState(name=names, position=joints))
+        status = made._muscles[0].build_status({})
+        made.destroy_node()
+        values = {each.key: each.value for each in status.values}
+        assert values[key] == ('0' if words == 'answering' else '1')
+        assert words in status.message

@@ -181,7 +181,12 @@ def test_a_humerothoracic_convention_is_warned_of_when_it_is_set_while_running(
         warnings = [line for line in capfd.readouterr().err.splitlines() if '[WARN]' in line]
         assert len(warnings) == (convention.relative_to != 'scapula')
         assert all(f'{name} {usual} {convention.relative_to};' in line for line in warnings)
-    assert change_parameters(lone_node, joint_convention='opensim_mobl').successful
+    given = {'joint_convention': 'flexion_abduction_rotation', 'rhythm': 'de_groot_brand_2001'}
+    for rhythm, lines in ('de_groot_brand_2001', 1), ('mobl', 0):
+        capfd.readouterr()
+        assert change_parameters(lone_node, **{**given, 'rhythm': rhythm}).successful
+        assert capfd.readouterr().err.count('isb_yxy is smooth') == lines
+    assert change_parameters(lone_node, joint_convention='opensim_mobl', rhythm='').successful
     capfd.readouterr()
     assert change_parameters(lone_node, side='right').successful
     assert usual not in capfd.readouterr().err

@@ -9,7 +9,7 @@ from reference import Array
 from scipy.spatial.transform import Rotation
 
 from linkedplane_ros import BroadMuscle
-from linkedplane_ros.node.range_count import OutsideCounter
+from linkedplane_ros.node.range_count import OddCounter
 
 DELTOID = BroadMuscle.load('deltoid')
 
@@ -26,7 +26,7 @@ def test_every_pose_is_checked_once_and_256_at_a_time(
 
     monkeypatch.setattr(BroadMuscle, 'count_outside_range', note)
     poses = Rotation.random(600, random_state=7).as_matrix()[:count]
-    counter = OutsideCounter(DELTOID)
+    counter = OddCounter(DELTOID.count_outside_range)
     for pose in poses:
         counter.add(pose)
     assert list(map(len, checked)) == [256] * (count // 256)
@@ -38,7 +38,7 @@ def test_every_pose_is_checked_once_and_256_at_a_time(
 
 def test_a_count_is_of_the_poses_since_the_last_one() -> None:
     inside, outside = (Rotation.from_euler('x', x, degrees=True).as_matrix() for x in (119, 121))
-    counter = OutsideCounter(DELTOID)
+    counter = OddCounter(DELTOID.count_outside_range)
     for outsiders in (3, 1, 0, 2):
         for pose in (inside, *[outside] * outsiders, inside):
             counter.add(pose)

@@ -229,3 +229,73 @@ def test_joints_against_the_thorax_move_a_girdle_that_follows(tmp_path: Path) ->
     rate = (lengths(angles[4] + [0, h, 0]) - lengths(angles[4] - [0, h, 0])) / (2 * h)
     arms = [columns[f'moment_arms/{band}/elevation'][4] for band in solver.muscle.band_names]
     np.testing.assert_allclose(arms, -rate, rtol=0, atol=1e-6)
+
+
+def write_slider(folder: Path) -> Options:
+    """Write a robot whose humerus slides by 2 cm and turns, and return how it is processed."""
+    limit = '<axis xyz="{}"/><limit lower="-0.02" upper="0.02" effort="1" velocity="1"/>'
+    text = robot(
+        *map(link, ('scapula', 'a', 'humerus')),
+        joint('slide', 'prismatic', 'scapula', 'a', limit.format('1 0 0')),
+        joint('elev', 'continuous', 'a', 'humerus', '<axis xyz="0 -1 0"/>'),
+    )
+    (folder / 'x.urdf').write_text(text)
+    return Options(skeleton=str(folder / 'x.urdf'))
+
+
+def test_values_far_beyond_limits_are_a_warning_with_what_was_met(tmp_path: Path) -> None:
+    options = write_slider(tmp_path)
+    rows = np.array([(1.0 * k, 0.1 * k) for k in range(10)])
+    source = write_table(tmp_path / 'mm.csv', ['slide', 'elev'], rows)
+    report, _ = process(source, tmp_path / 'o.csv', options)
+    [line] = [note for note in report.notes if note.startswith('warning: ')]
+    assert '9 of 10 frames far beyond the limits of a joint: slide 0 to 9 m, its limits' in line
+    assert line.endswith('-0.02 to 0.02 m; mm?')
+    source = write_table(tmp_path / 'm.csv', ['slide', 'elev'], rows * [0.002, 1.0])
+    report, _ = process(source, tmp_path / 'o2.csv', options)
+    assert list(report.notes) == []
+    three = np.full((4, 6), 0.1)
+    three[:, :3] = 3.0
+    report, _ = process(
+        write_table(tmp_path / 'ac.csv', list(MOVING), three), tmp_path / 'o3.csv', GIRDLE
+    )
+    assert [note.partition('joint: ')[2][:3] for note in report.notes] == ['ac_'] * 3
+
+
+def test_the_unit_of_angles_is_that_of_joints_that_turn(tmp_path: Path) -> None:
+    options = write_slider(tmp_path)
+    rows = np.array([(0.001 * k, 10.0 * k) for k in range(9)])
+    source = write_table(tmp_path / 'in.csv', ['slide', 'elev_deg'], rows)
+    _, columns = process(source, tmp_path / 'o.csv', options)
+    np.testing.assert_allclose(columns['angles/slide'], rows[:, 0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(columns['angles/elev'], np.radians(rows[:, 1]), rtol=0, atol=1e-12)
+    names = ['ac_protraction_deg', *MOVING[1:]]
+    fault = run_task(
+        Task(write_table(tmp_path / 'six.csv', names, VALUES), tmp_path / 'o2.csv', GIRDLE)
+    ).fault
+    assert fault.endswith('one unit for all 6 expected')
+
+
+def test_a_warning_of_the_range_shows_slides_in_m_and_advises_what_a_skeleton_takes(
+    tmp_path: Path,
+) -> None:
+    rows = np.array([(0.001 * k, 4.0) for k in range(10)])
+    source = write_table(tmp_path / 'in.csv', ['slide', 'elev'], rows)
+    report, _ = process(source, tmp_path / 'o.csv', write_slider(tmp_path))
+    assert 'met, in deg: slide 0 to 0.009 m, elev 229.2 to 229.2;' in report.warning
+    assert report.warning.endswith('other joints (--joint-names)? another --skeleton?')
+
+
+def test_a_hanging_arm_whose_plane_a_rhythm_needs_is_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for convention, loses in ('flexion_abduction_rotation', True), ('isb_yxy', False):
+        names = list(JOINT_CONVENTIONS[convention].coordinates)
+        rows = np.array([(0.01 * k, 0.01 * k, 0.1) for k in range(10)])
+        source = write_table(tmp_path / 'in.csv', names, rows)
+        words = ['--convention', convention, '--rhythm', 'de_groot_brand_2001', '--force']
+        assert main(['process', str(source), str(tmp_path / 'o.csv'), *words]) == 0
+        shown = capsys.readouterr()
+        caution = f'goes by the plane of elevation, which {convention} does not say'
+        assert (caution in shown.err) == loses
+        assert ('7 of 10 frames near the singularity' in shown.out) == loses
