@@ -122,9 +122,9 @@ class Skeleton:
     def for_bones(
         self,
         bones: Sequence[str],
-        bone_links: Mapping[str, str] | None = None,
+        bone_links: Mapping[str, str] | Iterable[str] | None = None,
         rest: Mapping[str, float] | None = None,
-        origin: Origin = SAME_PLACE,
+        origin: Origin | None = None,
     ) -> Skeleton:
         """Return the skeleton for a muscle's bones.
 
@@ -132,20 +132,24 @@ class Skeleton:
         frames of the other bones follow: they coincide with it at rest, whatever frames their links
         have.
 
+        Of a skeleton that was made so already, what is not given anew is kept: the values at rest,
+        and of each bone its link and what was said of its place there.
+
         Parameters
         ----------
         bones
             The muscle's (`solver.bones`): the ground first, then those that move.
         bone_links
-            The link of a bone that is not named as the bone, as one with a robot's prefix. Bones
-            that do not move against each other may share a link. `LINK@X,Y,Z,ROLL,PITCH,YAW` says
-            where the bone's frame stands in it as well, in m and rad: for the ground what `origin`
-            says, for another bone in place of what follows from `rest`.
+            The link of a bone that is not named as the bone, as one with a robot's prefix; or
+            entries BONE:=LINK. Bones that do not move against each other may share a link.
+            `LINK@X,Y,Z,ROLL,PITCH,YAW` says where the bone's frame stands in it as well, in m and
+            rad: for the ground what `origin` says, for another bone in place of what follows from
+            `rest`.
         rest
-            The coordinates at the muscle's rest, rad or m; those not named are 0.
+            The coordinates at the muscle's rest, rad or m; those not named are 0, or as they were.
         origin
             Where the muscle's ground frame stands in the ground's link: (x, y, z) in m, and roll,
-            pitch and yaw in rad.
+            pitch and yaw in rad. None: as it was, or at the link's own frame.
 
         Returns
         -------
@@ -158,23 +162,77 @@ class Skeleton:
             For a bone without a link, and names that are no bone or coordinate of it.
 
         """
-        names, renamed = tuple(bones), dict(bone_links or {})
-        if isinstance(bones, str) or not names or not all(isinstance(each, str) for each in names):
-            raise self.tree.fault(f'bones: {describe_value(bones)} given, a list of names expected')
+        names = self._as_bones(bones)
+        renamed = self._as_links(bone_links, names)
+        known = {
+            bone: (link, place)
+            for bone, link, place in zip(self.bones, self.links, self._said_places, strict=True)
+        }
+        links, places = [], []
+        for bone in names:
+            link, place = split_place(bone, renamed.get(bone, bone), self.tree.links)
+            known_link, known_place = known.get(bone, (link, None))
+            if bone not in renamed:
+                link = known_link
+            if link == known_link:
+                place = place or known_place
+            links.append(self._find_link(bone, link))
+            places.append(place)
+        said = split_place(names[0], renamed.get(names[0], names[0]), self.tree.links)[1]
+        ground = said or (None if origin is None else _as_origin(origin)) or places[0] or SAME_PLACE
+        return Skeleton(
+            self.tree, names, tuple(links), self._merge_rest(rest), ground, tuple(places[1:])
+        )
+
+    @property
+    def _said_places(self) -> tuple[Origin | None, ...]:
+        """Of each bone its frame's place in its link, where somebody said it."""
+        ground = None if self.origin == SAME_PLACE else self.origin
+        return ground, *(self.places or (None,) * (len(self.bones) - 1))
+
+    def _as_bones(self, bones: Sequence[str]) -> tuple[str, ...]:
+        given = f'bones: {describe_value(bones)} given, a list of names expected'
+        if isinstance(bones, str) or not isinstance(bones, Iterable):
+            raise self.tree.fault(given)
+        names = tuple(bones)
+        if not names or not all(isinstance(each, str) for each in names):
+            raise self.tree.fault(given)
         if len(set(names)) < len(names):
             raise self.tree.fault(f'bones: {list_names(names)} given, names that differ expected')
-        unknown = [bone for bone in renamed if bone not in names]
-        if unknown:
+        return names
+
+    def _as_links(
+        self, bone_links: Mapping[str, str] | Iterable[str] | None, bones: Sequence[str]
+    ) -> Mapping[str, str]:
+        links = bone_links or {}
+        if not isinstance(links, Mapping):
+            if isinstance(links, str) or not isinstance(links, Iterable):
+                given = describe_value(links)
+                raise self.tree.fault(
+                    f'bone_links: {given} given, a mapping of bones to links, or a list of '
+                    'BONE:=LINK expected'
+                )
+            links = parse_bone_links(links)
+        for bone, link in links.items():
+            if bone not in bones:
+                raise self.tree.fault(
+                    f'bone_links: {describe_value(bone)} is no bone; those are {list_names(bones)}'
+                )
+            if not isinstance(link, str):
+                given = describe_value(link)
+                raise self.tree.fault(
+                    f'bone_links: {bone}: {given} given, the name of a link expected'
+                )
+        return links
+
+    def _merge_rest(self, rest: Mapping[str, float] | None) -> tuple[float, ...]:
+        """Return the values (d,) at rest: those given, and of the others those there were, or 0."""
+        if not isinstance(rest or {}, Mapping):
             raise self.tree.fault(
-                f'bone_links: {describe_value(unknown[0])} is no bone; '
-                f'those are {list_names(names)}'
+                f'rest: {describe_value(rest)} given, a mapping of coordinates to values expected'
             )
-        named = [split_place(bone, renamed.get(bone, bone), self.tree.links) for bone in names]
-        links = tuple(
-            self._find_link(bone, link) for bone, (link, _) in zip(names, named, strict=True)
-        )
-        ground, *places = (place for _, place in named)
-        at_rest = dict.fromkeys(self.coordinates, 0.0)
+        known = self.rest or (0.0,) * len(self.coordinates)
+        at_rest = dict(zip(self.coordinates, known, strict=True))
         for name, value in (rest or {}).items():
             if name not in at_rest:
                 raise self.tree.fault(
@@ -182,16 +240,7 @@ class Skeleton:
                     f'those are {list_names(self.coordinates)}'
                 )
             at_rest[name] = value
-        values = self._as_values(list(at_rest.values()), 'rest')
-        try:
-            xyz, rpy = origin
-        except (TypeError, ValueError):
-            expected = '((x, y, z), (roll, pitch, yaw)) expected'
-            raise SkeletonError(f'origin: {describe_value(origin)} given, {expected}') from None
-        place = as_triple('origin: xyz', xyz, 'm'), as_triple('origin: rpy', rpy, 'rad')
-        return Skeleton(
-            self.tree, names, links, tuple(values.tolist()), ground or place, tuple(places)
-        )
+        return tuple(self._as_values(list(at_rest.values()), 'rest').tolist())
 
     def _find_link(self, bone: str, link: str) -> str:
         if link in self.tree.links:
@@ -510,6 +559,16 @@ class Skeleton:
         return chain
 
 
+def _as_origin(origin: Origin) -> Origin:
+    """Return a place of a frame as floats; SkeletonError for anything else."""
+    try:
+        xyz, rpy = origin
+    except (TypeError, ValueError):
+        expected = '((x, y, z), (roll, pitch, yaw)) expected'
+        raise SkeletonError(f'origin: {describe_value(origin)} given, {expected}') from None
+    return as_triple('origin: xyz', xyz, 'm'), as_triple('origin: rpy', rpy, 'rad')
+
+
 def bundled_skeletons() -> dict[str, str]:
     """Return the texts of the skeletons that come with the package, by name."""
     folder = resources.files('linkedplane_ros') / 'models'
@@ -532,6 +591,8 @@ def parse_pairs(name: str, form: str, entries: Iterable[str]) -> dict[str, str]:
     """
     pairs: dict[str, str] = {}
     for text in entries:
+        if not isinstance(text, str):
+            raise SkeletonError(f'{name}: {describe_value(text)} given, {form} expected')
         first, given, second = (part.strip() for part in text.partition(':='))
         if not (first and given and second):
             raise SkeletonError(f'{name}: {describe_value(text)} given, {form} expected')

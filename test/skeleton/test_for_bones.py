@@ -41,6 +41,35 @@ def test_links_of_a_robot_with_a_prefix_are_the_bones(arm: Skeleton) -> None:
     assert not skeleton.screws([0.3, 0.2])[1].any()
 
 
+def test_links_are_taken_as_a_mapping_or_as_the_node_takes_them(arm: Skeleton) -> None:
+    entries = [f'{bone}:={link}' for bone, link in LINKS.items()]
+    assert arm.for_bones(list(LINKS), entries) == arm.for_bones(list(LINKS), LINKS)
+    with pytest.raises(SkeletonError, match='bone_links: 3 given, BONE:=LINK expected'):
+        arm.for_bones(list(LINKS), [3])  # type: ignore[list-item]
+
+
+def test_what_is_not_given_anew_is_kept(arm: Skeleton) -> None:
+    links = {**LINKS, 'humerus': 'left/humerus@0.1,0.2,0.3,0.4,0.5,0.6'}
+    origin = (0.01, 0.02, 0.03), (0.1, 0.2, 0.3)
+    made = arm.for_bones(['scapula', 'humerus'], links, {'left/shoulder': 0.7}, origin)
+    again = made.for_bones(['scapula', 'ulna', 'humerus'], {'ulna': 'left/ulna'})
+    links['ulna'] = 'left/ulna'
+    whole = ['scapula', 'ulna', 'humerus']
+    assert again == arm.for_bones(whole, links, {'left/shoulder': 0.7}, origin)
+    assert made.for_bones(made.bones) == made
+    rested = again.for_bones(whole, rest={'left/elbow': 0.1})
+    rest = {'left/shoulder': 0.7, 'left/elbow': 0.1}
+    assert rested == arm.for_bones(whole, links, rest, origin)
+    # and what is given anew holds
+    other = (0.0, 0.0, 0.1), (0.0, 0.0, 0.0)
+    assert made.for_bones(made.bones, origin=other).origin == other
+    assert made.for_bones(made.bones, rest={'left/shoulder': 0.0}).rest == (0.0, 0.0)
+    moved = made.for_bones(made.bones, {'humerus': 'left/ulna'})
+    assert (moved.links[1], moved.places) == ('left/ulna', (None,))
+    # of another ground the frame is its link's own
+    assert made.for_bones(['left/ulna', 'scapula']).origin == ((0.0,) * 3, (0.0,) * 3)
+
+
 def test_at_rest_all_bones_coincide_wherever_their_links_stand(arm: Skeleton) -> None:
     for rest in ({}, {'left/shoulder': 0.7, 'left/elbow': 0.1}):
         skeleton = arm.for_bones(['ground', 'moves'], dict(zip(
@@ -105,7 +134,7 @@ def test_a_ground_frame_stands_where_it_is_said_to_in_its_link(angles: Triple) -
 @pytest.mark.parametrize(
     ('origin', 'reason'),
     [
-        (None, r'origin: None given, \(\(x, y, z\), \(roll, pitch, yaw\)\) expected'),
+        (3, r'origin: 3 given, \(\(x, y, z\), \(roll, pitch, yaw\)\) expected'),
         ((0, 0, 0), r'origin: \(0, 0, 0\) given'),
         (((0, 0), (0, 0, 0)), r'origin: xyz: \(0, 0\) given, 3 finite numbers in m expected'),
         (((0, 0, 0), (0, 0, np.inf)), 'origin: rpy: '),
@@ -133,6 +162,11 @@ def test_an_origin_that_is_no_place_is_refused(arm: Skeleton, origin: Any, reaso
         ((['a', 'a'],), 'bones: a, a given, names that differ expected'),
         (([],), 'bones: [] given, a list of names expected'),
         (('scapula',), "bones: 'scapula' given, a list of names expected"),
+        ((None,), 'bones: None given, a list of names expected'),
+        ((['left/ulna'], {'left/ulna': 3}), 'bone_links: left/ulna: 3 given, the name of a link'),
+        ((['left/ulna'], 'left/ulna'), "bone_links: 'left/ulna' given, a mapping of bones to"),
+        ((['left/ulna'], 3), 'bone_links: 3 given, a mapping of bones to'),
+        ((['left/ulna'], {}, [0, 0]), 'rest: [0, 0] given, a mapping of coordinates to values'),
         ((['left/ulna'], {}, {'elbow': 1}), "rest: 'elbow' is no coordinate; those are left/sho"),
     ],
 )
