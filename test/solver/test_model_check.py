@@ -227,6 +227,7 @@ def test_info_prints_every_band_with_the_arm_at_the_side(name: str) -> None:
     start = next(k for k, line in enumerate(lines) if line.startswith('band '))
     assert ' insertion (humerus) ' in lines[start]
     assert (' origin (scapula) ' in lines[start]) == (name == 'deltoid')
+    assert ('origin (' in lines[start]) == (name == 'deltoid')  # the girdle's are on two bones
     theta = reference.neutral_theta(DELTOID)
     paths = reference.chain(DELTOID, np.eye(3), theta)
     for i, path in enumerate(paths):
