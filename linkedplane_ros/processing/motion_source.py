@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ..errors import LinkedPlaneError, describe_value
 from ..joints.articulation import Articulation
+from ..joints.conventions import JointConvention
 from ..joints.joint_state import JointMap
 from ..recordings.bone_frames import BoneFrames
 from ..skeleton.followed_girdle import FollowedGirdle
@@ -37,6 +38,8 @@ class MotionSource:
     """Its name or path; empty: there is none."""
     notes: tuple[str, ...] = ()
     """What is worth knowing, a line each."""
+    held: tuple[str, ...] = ()
+    """The muscle's bones that stay at rest, for nothing is recorded of them."""
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -52,14 +55,29 @@ def choose_motion_source(
     Raises
     ------
     LinkedPlaneError
-        For a bone without a frame, a skeleton that does not suit, and numbers of joints that do
-        not.
+        For a bone without a frame, a frame of two bones, a skeleton that does not suit, and
+        numbers of joints that do not.
     """
     if skeleton is None and options.skeleton is not None:
         skeleton = Skeleton.load(options.skeleton)
+    moved = _choose_source(options, solver, skeleton)
+    held = solver.bones[1:-1]
+    if not held or moved.reading is not None or not isinstance(moved.moved_by, JointConvention):
+        return moved
+    line = (
+        f'{", ".join(held)}: held at rest, only the {solver.bones[-1]} moves; the poses of all '
+        f'bones (--{held[0]}, --input tf), a --skeleton or a --rhythm move all'
+    )
+    return replace(moved, held=held, notes=(*moved.notes, line))
+
+
+def _choose_source(
+    options: Options, solver: LinkedPlaneSolver, skeleton: Skeleton | None
+) -> MotionSource:
     frames = options.list_frames(solver.bones)
     if frames is None:
         return _by_joints(options, solver, skeleton)
+    _check_different(frames)
     if options.follows:
         return _by_rhythm_of_poses(options, solver, frames)
     names, notes = _choose_frames(options, solver, skeleton, frames)
@@ -67,6 +85,18 @@ def choose_motion_source(
         axes = options.frame_axes or 'model'
         return MotionSource(options.joint_convention, frames=BoneFrames(names, axes), notes=notes)
     return _by_poses(options, solver, skeleton, names, notes)
+
+
+def _check_different(frames: Mapping[str, str]) -> None:
+    """Raise a LinkedPlaneError for a frame that is given for two bones."""
+    bones: dict[str, str] = {}
+    for bone, frame in frames.items():
+        if frame in bones:
+            raise LinkedPlaneError(
+                f'frame {describe_value(frame)} given for {bones[frame]} and {bone}; '
+                'a frame of its own expected for each bone'
+            )
+        bones[frame] = bone
 
 
 def _by_joints(

@@ -120,6 +120,8 @@ def describe_coordinates(moved: MotionSource, convention: JointConvention) -> di
         }
         if moved.joints is None:
             facts['angles_from'] = 'the joints that fit the poses best'
+    if moved.held:
+        facts['bones_held_at_rest'] = ', '.join(moved.held)
     if isinstance(moved_by, FollowedGirdle):
         facts['against'] = 'thorax; moment arms include what follows'
         facts['scapulohumeral_rhythm'] = str(moved_by.rhythm)

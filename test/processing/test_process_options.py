@@ -93,6 +93,11 @@ def test_a_bag_is_replaced_by_a_bag_with_force(tmp_path: Path) -> None:
         (('--rhythm', '2', '--scapula', 's', '--humerus', 'h'), '--rhythm: not with the pose of'),
         (('--rest', 'still'), '--thorax'),
         (('--rhythm', '2', '--rest', '32', '10.7', '-10.3'), '--rest: scapula: (32.0, 10.7, -10.3'),
+        (('--humerus', 'h', '--scapula', 'h'), "frame 'h' given for scapula and humerus; a frame"),
+        (
+            ('--input', 'tf', '--bone-links', 'humerus:=f', 'scapula:=f'),
+            "frame 'f' given for scapula and humerus; a frame of its own expected",
+        ),
         (('--rhythm', '2', '--skeleton', 'hip'), '--skeleton: a rhythm stands for the joints'),
         (('--joints', 'a', 'b', 'c', '--skeleton', 'hip'), '--joints: not with --skeleton'),
         (('--joint-names', 'a:=b'), '--joint-names: only with the joints of a --skeleton'),

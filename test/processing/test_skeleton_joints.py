@@ -299,3 +299,16 @@ def test_a_hanging_arm_whose_plane_a_rhythm_needs_is_counted(
         caution = f'goes by the plane of elevation, which {convention} does not say'
         assert (caution in shown.err) == loses
         assert ('7 of 10 frames near the singularity' in shown.out) == loses
+
+
+@pytest.mark.parametrize('muscle', ['deltoid', 'deltoid_girdle'])
+def test_bones_of_which_nothing_is_recorded_are_said_to_be_held(
+    tmp_path: Path, muscle: str
+) -> None:
+    names = list(JOINT_CONVENTIONS['flexion_abduction_rotation'].coordinates)
+    source = write_table(tmp_path / 'in.csv', names, VALUES[:, :3])
+    report, _ = process(source, tmp_path / 'o.csv', Options(muscle=muscle))
+    held = ['clavicle: held at rest, only the humerus moves'] * (muscle == 'deltoid_girdle')
+    assert [note.partition(';')[0] for note in report.notes] == held
+    facts = (tmp_path / 'o.csv').read_text()
+    assert ('# bones_held_at_rest: clavicle\n' in facts) == bool(held)
