@@ -6,7 +6,8 @@ A JointState becomes three angles in `joints.joint_state`; `outputs` answers the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from threading import Timer
 from time import perf_counter
@@ -60,7 +61,8 @@ class MuscleStatePublisher(Node):
         self._description = DescriptionReader(self, self._take_description)
         self._frames = FrameInput(self, self._answer_frame, self._reject_frame)
         self._simulated = self._is_time_simulated()
-        settings = self._declare_parameters()
+        with self._noticed():
+            settings = declare_parameters(self)
         for text, fault in settings.left_out.items():
             self.get_logger().error(f'muscle {text} is left out: {fault}')
         self._apply(settings, self._open_outputs(settings), self._received)
@@ -88,14 +90,15 @@ class MuscleStatePublisher(Node):
         self._warn_of_convention()
         warn_of_unknown_parameters(self)
 
-    def _declare_parameters(self) -> Settings:
-        """Return the settings; log a line if they take long because the solver is compiled."""
+    @contextmanager
+    def _noticed(self) -> Iterator[None]:
+        """Log a line if the block takes long because the solver is compiled."""
         line = 'preparing the solver; the first start compiles it'
         notice = Timer(1.0, self.get_logger().info, [line])
         if COMPILED:
             notice.start()
         try:
-            return declare_parameters(self)
+            yield
         finally:
             notice.cancel()
 
@@ -168,7 +171,7 @@ class MuscleStatePublisher(Node):
         may_fail = () if 'muscle' in names else self._settings.left_out
         self._drop_candidate()
         try:
-            with refusals('parameters'):
+            with self._noticed(), refusals('parameters'):
                 received = self._received
                 if not names.isdisjoint(OF_REST):
                     received = replace(received, rest=None)
@@ -298,7 +301,7 @@ class MuscleStatePublisher(Node):
         received = replace(self._received, urdf=text)
         values, left_out = self._merge_values([]), self._settings.left_out
         try:
-            with refusals(BY_TOPIC):
+            with self._noticed(), refusals(BY_TOPIC):
                 settings = Settings.from_values(values, left_out, received)
                 rehearse(settings)
                 outputs = self._open_outputs(settings)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import Any
 
 import numpy as np
@@ -190,3 +191,16 @@ def test_a_humerothoracic_convention_is_warned_of_when_it_is_set_while_running(
     capfd.readouterr()
     assert change_parameters(lone_node, side='right').successful
     assert usual not in capfd.readouterr().err
+
+
+def test_a_change_that_compiles_is_noticed(
+    lone_node: MuscleStatePublisher,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    module = 'linkedplane_ros.node.muscle_state_publisher'
+    monkeypatch.setattr(f'{module}.COMPILED', True)
+    monkeypatch.setattr(f'{module}.rehearse', lambda settings: time.sleep(1.5))
+    capfd.readouterr()
+    assert change_parameters(lone_node, side='left').successful
+    assert capfd.readouterr().err.count('preparing the solver') == 1
