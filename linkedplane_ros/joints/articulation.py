@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from ..errors import LinkedPlaneError, describe_value
 from ..types import Floats
+from .rotations import as_floats
 
 REVOLUTE, CONTINUOUS, PRISMATIC = 'revolute', 'continuous', 'prismatic'
 
@@ -93,6 +94,27 @@ def as_values(name: str, values: npt.ArrayLike, moved_by: Articulation, per: str
     unit = name_unit(moved_by.kinds)
     given = describe_value(values)
     raise LinkedPlaneError(f'{name}: {given} given, {d} finite numbers in {unit}{per} expected')
+
+
+def as_value_batch(
+    name: str, values: npt.ArrayLike, m: int, moved_by: Articulation, per: str = ''
+) -> Floats:
+    """Return m finite numbers for each coordinate (m, d); LinkedPlaneError for anything else.
+
+    `per` is what follows the unit, as in rad/s.
+    """
+    d = len(moved_by.coordinates)
+    expected = f'({m}, {d}) finite numbers in {name_unit(moved_by.kinds)}{per} expected'
+    array = as_floats(name, values, expected.removesuffix(' expected'))
+    if m == 0 and array.shape == (0,):
+        array = array.reshape(0, d)
+    if array.shape != (m, d):
+        raise LinkedPlaneError(f'{name}: shape {array.shape} given, {expected}')
+    wrong = np.flatnonzero(~np.isfinite(array).all(axis=1)).tolist()
+    if wrong:
+        given = array[wrong[0]].tolist()
+        raise LinkedPlaneError(f'{name}[{wrong[0]}]: {given} given, {expected}')
+    return array
 
 
 def rest_poses(m: int, k: int) -> Floats:

@@ -67,7 +67,9 @@ class ValuesSolving:
     def solve(self, chunk: Chunk) -> SolvedChunk:
         """Return a chunk's states; frames at which a band has no plane are left out."""
         try:
-            answers = self.solver.answer_batch(self.moved_by, chunk.angles, chunk.speeds)
+            unknown = np.isnan(chunk.speeds)
+            speeds = np.where(unknown, 0.0, chunk.speeds)
+            answers = self.solver.answer_batch(self.moved_by, chunk.angles, speeds)
         except LinkedPlaneError:
             good = np.array([self._has_planes(each) for each in chunk.angles])
             if good.all():
@@ -75,7 +77,8 @@ class ValuesSolving:
             for stamp in chunk.stamps[~good].tolist():
                 self.refused.add('no_plane', f'stamp {1e-9 * stamp:.2f} s: a band has no plane')
             return self.solve(chunk.select(good))
-        return SolvedChunk(chunk, answers.states, answers.moment_arms, answers.lengthening)
+        lengthening = np.where(unknown.any(axis=1, keepdims=True), np.nan, answers.lengthening)
+        return SolvedChunk(chunk, answers.states, answers.moment_arms, lengthening)
 
     def _has_planes(self, values: Floats) -> bool:
         """Return whether every band has a plane at values (d,) of the coordinates."""

@@ -18,7 +18,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import LinkedPlaneError, describe_value
-from ..joints.articulation import Articulation, as_values, check_articulation
+from ..joints.articulation import (
+    Articulation,
+    as_value_batch,
+    as_values,
+    check_articulation,
+)
 from ..joints.conventions import JointConvention, as_triple
 from ..joints.rotations import as_matrices, as_matrix
 from ..joints.sides import AXIS_SIGN, check_side, mirror_axes, mirror_points
@@ -265,14 +270,15 @@ class LinkedPlaneSolver:
         Raises
         ------
         LinkedPlaneError
-            As `answer`, for the first values that have no answer.
+            As `answer`, for the first values that have no answer, and for speeds of another shape
+            than the values.
 
         """
         check_articulation(moved_by)
-        rates = np.asarray(speeds, dtype=np.float64)
         if not (self._ball and isinstance(moved_by, JointConvention)):
-            return answer_batch_over_bones(self, moved_by, np.asarray(angles), rates)
+            return answer_batch_over_bones(self, moved_by, angles, speeds)
         rotations, axes = moved_by.rotations_and_axes(angles, self.side)
+        rates = as_value_batch('speeds', speeds, len(rotations), moved_by, '/s')
         states = self.solve_batch(rotations)
         arms = states.moment_vectors @ axes
         return AnswerBatch(states, arms, -np.einsum('knj,kj->kn', arms, rates))

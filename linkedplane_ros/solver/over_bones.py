@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from ..errors import LinkedPlaneError
-from ..joints.articulation import Articulation, rotated_poses
+from ..joints.articulation import Articulation, as_value_batch, rotated_poses
 from ..joints.rotations import FAULTS, PROPER, matrix_rows, rotation_fault
 from ..joints.sides import AXIS_SIGN, mirror_axes, mirror_points, mirror_screws
 from ..skeleton.skeleton import Skeleton
@@ -96,7 +97,10 @@ def answer_over_bones(
 
 
 def answer_batch_over_bones(
-    solver: LinkedPlaneSolver, moved_by: Articulation, values: Floats, speeds: Floats
+    solver: LinkedPlaneSolver,
+    moved_by: Articulation,
+    values: npt.ArrayLike,
+    speeds: npt.ArrayLike,
 ) -> AnswerBatch:
     """Return `LinkedPlaneSolver.answer_batch` at values (m, d) of whatever moves the bones.
 
@@ -104,9 +108,10 @@ def answer_batch_over_bones(
     the same on both sides, so screws stay in right-shoulder form.
     """
     poses, screws = moved_by.move_bones(values, solver.bones, solver.side)
+    rates = as_value_batch('speeds', speeds, len(poses), moved_by, '/s')
     states = solve_over_bones(solver, poses, '[{}]')
     wrenches = states.wrenches
     if solver.side == 'left':
         wrenches = mirror_screws(wrenches)
     arms = np.einsum('mnkc,mdkc->mnd', wrenches, screws)
-    return AnswerBatch(states, arms, -np.einsum('mnd,md->mn', arms, speeds))
+    return AnswerBatch(states, arms, -np.einsum('mnd,md->mn', arms, rates))

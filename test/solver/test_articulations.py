@@ -23,6 +23,7 @@ from linkedplane_ros import (
     Skeleton,
 )
 from linkedplane_ros.joints.articulation import Articulation
+from linkedplane_ros.joints.conventions import JointConvention
 from linkedplane_ros.muscle.bones import Bones
 from linkedplane_ros.skeleton.followed_girdle import FollowedGirdle
 from linkedplane_ros.types import Floats
@@ -122,6 +123,29 @@ def test_a_batch_answers_as_one_after_the_other(
         np.testing.assert_allclose(batch.lengthening[i], alone.lengthening, rtol=0, atol=1e-14)
     none = solver.answer_batch(moved_by, values[:0], values[:0])
     assert none.moment_arms.shape == (0, 9, len(q))
+
+
+@pytest.mark.parametrize('moved_by', [JOINT_CONVENTIONS['isb_yxy'], arm('right')])
+@pytest.mark.parametrize(
+    ('speeds', 'reason'),
+    [
+        (lambda d: np.ones((1, d)), r'speeds: shape \(1, {d}\) given, \(2, {d}\) finite numbers'),
+        (lambda d: np.ones((2, 1)), r'speeds: shape \(2, 1\) given'),
+        (lambda d: np.ones(d), r'speeds: shape \({d},\) given'),
+        (lambda d: np.ones((2, d + 2)), r'speeds: shape \(2, '),
+        (lambda d: [[0.0] * d, [np.nan] * d], r'speeds\[1\]: \[nan, nan.* given, .* rad/s'),
+        (lambda d: [[np.inf] * d, [0.0] * d], r'speeds\[0\]: \[inf, inf'),
+        (lambda d: 'abc', 'speeds: not an array of numbers'),
+        (lambda d: None, 'speeds: not an array of numbers'),
+        (lambda d: [[0.0], [0.0] * d], 'speeds: not an array of numbers'),
+        (lambda d: np.ones((2, d)) * 1j, 'speeds: not an array of numbers'),
+    ],
+)
+def test_speeds_of_a_batch_are_checked(moved_by: Articulation, speeds: Any, reason: str) -> None:
+    d = len(moved_by.coordinates)
+    for muscle in (GIRDLE, DELTOID) if isinstance(moved_by, JointConvention) else (GIRDLE,):
+        with pytest.raises(LinkedPlaneError, match=reason.format(d=d)):
+            LinkedPlaneSolver(muscle).answer_batch(moved_by, np.zeros((2, d)), speeds(d))
 
 
 def test_a_skeleton_answers_as_its_poses_and_screws() -> None:
