@@ -264,7 +264,7 @@ def latency_rows(found: dict[str, dict[str, dict[str, float]]]) -> list[tuple[st
         for name, each in nodes.items():
             times = ', '.join(f'{1e3 * each[key]:.2f}' for key in ('median', 'p99', 'worst'))
             remark = f'CPU {100 * each["cpu"]:.0f} %, {each["lost"]:.0f} lost'
-            if name == 'ours':
+            if name != 'pass-through':
                 ratios = (each[key] / base[key] for key in ('median', 'p99'))
                 remark += '; {:.2f} and {:.2f} times the pass-through'.format(*ratios)
             table.append(

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topic to topic: our node beside one that passes through, taking turns in one run.
+"""Topic to topic: our node, at a ball joint and with a girdle, beside one that passes through.
+
+They take turns in one run.
 
 Each answer is timed in this process, from before the joint state is published to the arrival of the
 band states with its stamp; a third process reads the markers.
@@ -16,9 +18,11 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from linkedplane_ros import Skeleton
 from linkedplane_ros.node import environment
 
 environment.prepare()
@@ -35,10 +39,26 @@ RATES = (100, 500, 1000)  # Hz
 TURN = 1.0  # s of one node's turn
 TURNS = 10  # of each node at each rate
 MATCH = 60.0  # s to wait for the nodes to be found; the first may have to compile
-NAMES = ['flexion', 'abduction', 'rotation']
+BALL_JOINT = ('flexion', 'abduction', 'rotation')
+GIRDLE = 'deltoid_girdle', 'shoulder_girdle'
+
+
+class Contender(NamedTuple):
+    """A node that is measured."""
+
+    command: list[str]
+    muscle: str = 'deltoid'
+    joints: tuple[str, ...] = BALL_JOINT
+
+
 NODES = {
-    'ours': [sys.executable, '-m', 'linkedplane_ros.node'],
-    'pass-through': [sys.executable, str(HERE / 'pass_through.py')],
+    'ours': Contender([sys.executable, '-m', 'linkedplane_ros.node']),
+    'ours with a girdle': Contender(
+        [sys.executable, '-m', 'linkedplane_ros.node'],
+        GIRDLE[0],
+        Skeleton.load(GIRDLE[1]).coordinates,
+    ),
+    'pass-through': Contender([sys.executable, str(HERE / 'pass_through.py')]),
 }
 
 
@@ -46,20 +66,20 @@ class Stopwatch(Node):
     """Publishes joint states to one node at a time and takes the time of its answers."""
 
     def __init__(self) -> None:
-        """Meet both nodes, by their namespaces."""
+        """Meet the nodes, by their namespaces."""
         super().__init__('stopwatch')
         deep = QoSProfile(depth=2000)
         self.arrivals: dict[int, float] = {}
         self.publishers_to = {}
         self.readers = []
-        for name in NODES:
-            space = name.replace('-', '_')
+        for name, node in NODES.items():
+            space = namespace(name)
             self.publishers_to[name] = self.create_publisher(
-                JointState, f'/{space}/joint_states', deep
+                JointState, f'{space}/joint_states', deep
             )
             self.readers.append(
                 self.create_subscription(
-                    JointState, f'/{space}/deltoid/band_states', self._on_answer, deep
+                    JointState, f'{space}/{node.muscle}/band_states', self._on_answer, deep
                 )
             )
         self.spinner = SingleThreadedExecutor()
@@ -71,7 +91,7 @@ class Stopwatch(Node):
         self.arrivals[stamp.sec * 10**9 + stamp.nanosec] = time.perf_counter()
 
     def connect(self) -> None:
-        """Wait until both nodes are found; RuntimeError if they are not."""
+        """Wait until the nodes are found; RuntimeError if they are not."""
         deadline = time.monotonic() + MATCH
         while not all(p.get_subscription_count() for p in self.publishers_to.values()) or not all(
             r.get_publisher_count() for r in self.readers
@@ -82,7 +102,8 @@ class Stopwatch(Node):
 
     def feed(self, name: str, rate: int, seconds: float) -> tuple[list[float], int]:
         """Feed one node; return the latencies of its answers, s, and the number missing."""
-        publisher = self.publishers_to[name]
+        publisher, joints = self.publishers_to[name], list(NODES[name].joints)
+        others = [0.1] * (len(joints) - 2)
         period = 10**9 // rate
         sent: dict[int, float] = {}
         begin = time.perf_counter()
@@ -92,7 +113,8 @@ class Stopwatch(Node):
                 self.spinner.spin_once(timeout_sec=left)
             self._stamp += period
             swing = 0.5 + 0.4 * np.sin(1e-9 * self._stamp)
-            message = JointState(name=NAMES, position=[swing, 0.4, 0.2], velocity=[0.1, 0.1, 0.1])
+            message = JointState(name=joints, position=[swing, *others, 0.4])
+            message.velocity = [0.1] * len(joints)
             message.header.stamp.sec, message.header.stamp.nanosec = divmod(self._stamp, 10**9)
             sent[self._stamp] = time.perf_counter()
             publisher.publish(message)
@@ -103,6 +125,11 @@ class Stopwatch(Node):
         return [self.arrivals[k] - sent[k] for k in answered], len(sent) - len(answered)
 
 
+def namespace(name: str) -> str:
+    """Return the namespace of one of the nodes."""
+    return '/' + name.replace('-', '_').replace(' ', '_')
+
+
 def cpu_time(process: subprocess.Popen[bytes]) -> float:
     """Return the processor time of a process so far, s."""
     fields = Path(f'/proc/{process.pid}/stat').read_text().rpartition(')')[2].split()
@@ -110,11 +137,11 @@ def cpu_time(process: subprocess.Popen[bytes]) -> float:
 
 
 def read_markers() -> None:
-    """Receive the markers of both nodes, unread, until interrupted."""
+    """Receive the markers of all nodes, unread, until interrupted."""
     rclpy.init()
     reader = Node('marker_reader')
-    for name in NODES:
-        topic = f'/{name.replace("-", "_")}/deltoid/markers'
+    for name, node in NODES.items():
+        topic = f'{namespace(name)}/{node.muscle}/markers'
         reader.create_subscription(MarkerArray, topic, lambda _: None, 5, raw=True)
     rclpy.spin(reader)
 
@@ -123,11 +150,14 @@ def measure() -> dict[str, dict[str, dict[str, float]]]:
     """Return each rate's and node's median, p99 and worst latency, s; CPU share; answers lost."""
     os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST', ROS_DOMAIN_ID='102')
     quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
+    girdle = ['-p', f'muscle:={GIRDLE[0]}', '-p', f'skeleton:={GIRDLE[1]}']
     processes = {
         name: subprocess.Popen(
-            [*command, '--ros-args', '-r', f'__ns:=/{name.replace("-", "_")}'], **quiet
+            [*node.command, '--ros-args', '-r', f'__ns:={namespace(name)}']
+            + girdle * (node.muscle == GIRDLE[0]),
+            **quiet,
         )
-        for name, command in NODES.items()
+        for name, node in NODES.items()
     }
     reader = subprocess.Popen([sys.executable, __file__, 'read markers'], **quiet)
     rclpy.init()

@@ -150,7 +150,7 @@ def absurd_muscle(seed: int, poses: int) -> tuple[BroadMuscle, Array]:
         origins=origins,
         insertions=origins + lines,
         sphere_centres=centres,
-        sphere_radii=np.minimum(radii, 9.9),
+        sphere_radii=np.clip(radii, 1e-6, 9.9),
         plane_angles=np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-np.pi, np.pi, n)),
         reference_normal=rng.normal(size=3),
     )
