@@ -10,11 +10,11 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import LinkedPlaneError
+from ..errors import LinkedPlaneError, describe_value
 from ..joints.articulation import MovedBones
 from ..joints.conventions import JointConvention, as_triples
 from ..types import Floats
-from .girdle import GIRDLE, HUMERUS, GirdlePose, Rest, joint_centres
+from .girdle import HUMERUS, GirdlePose, Rest, check_rest, joint_centres
 from .joint_tree import list_names
 from .rhythm import Rhythm
 
@@ -27,6 +27,10 @@ class FollowedGirdle:
 
     An articulation (`LinkedPlaneSolver.answer`): its coordinates are the convention's, of the
     humerus against the thorax. Moment arms about them include what follows, scapula and clavicle.
+
+    Frames coincide with the ground's where the rhythm has clavicle and scapula with the arm at its
+    rest: at the plane and elevation that `rest` says, else hanging, all angles of `isb_yxy` 0. The
+    humerus' frame is that of the scapula there.
     """
 
     convention: JointConvention
@@ -35,6 +39,16 @@ class FollowedGirdle:
     """How clavicle and scapula follow."""
     rest: Rest | None = None
     """Where the subject's girdle starts from; None: the rhythm's own."""
+
+    def __post_init__(self) -> None:
+        for name, given, kind, those in (
+            ('convention', self.convention, JointConvention, 'JOINT_CONVENTIONS'),
+            ('rhythm', self.rhythm, Rhythm, 'RHYTHMS'),
+        ):
+            if not isinstance(given, kind):
+                value = describe_value(given)
+                raise LinkedPlaneError(f'{name}: {value} given, one of {those} expected')
+        check_rest(self.rest)
 
     @property
     def coordinates(self) -> tuple[str, str, str]:
@@ -102,11 +116,12 @@ class FollowedGirdle:
 
     @cached_property
     def _at_rest(self) -> dict[str, tuple[Floats, Floats]]:
-        """The bones at rest; the humerus as the scapula, for its frame is the scapula's there."""
-        rest = self.rest or Rest()
-        scapula, clavicle = GIRDLE.rotation(rest.scapula), GIRDLE.rotation(rest.clavicle)
-        none = np.zeros((3, 3))
-        places = _place_bones(GirdlePose(scapula, clavicle, scapula, none, none, none))
+        """The bones where the rhythm has them with the arm at its rest, or at the side.
+
+        The humerus as the scapula, for its frame is the scapula's there.
+        """
+        plane, elevation = (self.rest and self.rest.humerus) or (0.0, 0.0)
+        places = _place_bones(self.rhythm.pose_at((plane, elevation, 0.0), rest=self.rest))
         return {**places, 'humerus': places['scapula']}
 
 

@@ -58,7 +58,7 @@ class Rest:
             as_triple(f'rest: {bone}', angles, 'rad')
             _refuse_degrees(f'rest: {bone}', angles, (MOST_AT_REST,) * 3)
         if self.humerus is not None:
-            as_triple('rest: humerus', (*self.humerus, 0.0), 'rad')
+            _check_plane_and_elevation(self.humerus)
             _refuse_degrees('rest: humerus', self.humerus, (MOST_PLANE, MOST_AT_REST))
 
     @classmethod
@@ -132,6 +132,22 @@ def _refuse_degrees(name: str, angles: Sequence[float], most: Sequence[float]) -
             f'{name}: {describe_value(angles)} given, degrees? rad expected, at most {bounds} '
             'either way with the arm hanging'
         )
+
+
+def _check_plane_and_elevation(given: Sequence[float]) -> None:
+    try:
+        plane, elevation = given
+        as_triple('rest: humerus', (plane, elevation, 0.0), 'rad')
+    except (TypeError, ValueError, LinkedPlaneError):
+        raise LinkedPlaneError(
+            f'rest: humerus: {describe_value(given)} given, 2 finite numbers in rad expected'
+        ) from None
+
+
+def check_rest(rest: object) -> None:
+    """Refuse what is neither a rest nor None."""
+    if rest is not None and not isinstance(rest, Rest):
+        raise LinkedPlaneError(f'rest: {describe_value(rest)} given, a Rest or None expected')
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from ..joints.conventions import as_triple, principal_angle
 from ..joints.rotations import as_rotation
 from ..types import Floats, Interval
-from .girdle import GIRDLE, HUMERUS, GirdlePose, Rest
+from .girdle import GIRDLE, HUMERUS, GirdlePose, Rest, check_rest
 from .skeleton import BonePose
 
 Coefficients = tuple[float, float, float, float]
@@ -138,6 +138,7 @@ class Rhythm(ABC):
     def _pose(
         self, H: Floats, axes: Floats, angles: Floats, slopes: Floats, rest: Rest | None
     ) -> GirdlePose:
+        check_rest(rest)
         S, scapula_turn = self.scapula(angles, rest)
         C, clavicle_turn = self.clavicle(angles, rest, S, scapula_turn)
         return GirdlePose(S, C, H, scapula_turn @ slopes, clavicle_turn @ slopes, axes)

@@ -221,6 +221,42 @@ def test_at_rest_a_rhythm_leaves_the_clavicle_where_the_muscle_has_it() -> None:
     np.testing.assert_allclose(poses[1, 0], want[:3], rtol=0, atol=1e-15)
 
 
+@pytest.mark.parametrize('ground', ['thorax', 'clavicle', 'scapula'])
+@pytest.mark.parametrize('rest', [None, Rest(), Rest((0.24, -0.08, -0.1)), REST])
+@pytest.mark.parametrize('name', RHYTHMS)
+def test_rest_is_the_identity_from_any_ground(name: str, rest: Rest | None, ground: str) -> None:
+    followed = FollowedGirdle(JOINT_CONVENTIONS['isb_yxy'], RHYTHMS[name], rest)
+    hanging = (*((rest and rest.humerus) or (0.0, 0.0)), 0.4)  # axial rotation moves no girdle
+    others = [bone for bone in ('thorax', 'clavicle', 'scapula') if bone != ground]
+    poses = followed.move_bones([hanging], (ground, *others), 'right').poses[0]
+    np.testing.assert_allclose(poses, np.tile(np.eye(3, 4), (2, 1, 1)), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ('make', 'reason'),
+    [
+        (lambda isb, mobl: FollowedGirdle(isb, 'mobl'), "rhythm: 'mobl' given, one of RHYTHMS"),  # type: ignore[arg-type]
+        (lambda isb, mobl: FollowedGirdle('isb_yxy', mobl), "convention: 'isb_yxy' given, one of"),  # type: ignore[arg-type]
+        (
+            lambda isb, mobl: FollowedGirdle(isb, mobl, (0, 0, 0)),
+            r'rest: \(0, 0, 0\) given, a Rest',
+        ),  # type: ignore[arg-type]
+        (lambda isb, mobl: mobl.bones([0, 0, 0], (0, 0, 0)), r'rest: \(0, 0, 0\) given, a Rest'),
+        (
+            lambda isb, mobl: mobl.pose(np.eye(3), rest='still'),
+            "rest: 'still' given, a Rest",
+        ),
+        (lambda isb, mobl: Rest(humerus=(1,)), r'rest: humerus: \(1,\) given, 2 finite numbers'),  # type: ignore[arg-type]
+        (lambda isb, mobl: Rest(humerus=(1, 2, 3)), r'humerus: \(1, 2, 3\) given, 2 finite'),  # type: ignore[arg-type]
+        (lambda isb, mobl: Rest(humerus=0.3), 'rest: humerus: 0.3 given, 2 finite numbers'),  # type: ignore[arg-type]
+        (lambda isb, mobl: Rest(humerus=(0, np.nan)), r'humerus: \(0, nan\) given, 2 finite'),
+    ],
+)
+def test_what_is_no_rhythm_or_rest_is_refused(make: Any, reason: str) -> None:
+    with pytest.raises(LinkedPlaneError, match=reason):
+        make(JOINT_CONVENTIONS['isb_yxy'], RHYTHMS['mobl'])
+
+
 def test_what_does_not_fit_the_muscle_is_refused() -> None:
     girdle = Skeleton.load('shoulder_girdle')
     hip = BroadMuscle.load('deltoid')
