@@ -164,6 +164,8 @@ def test_a_second_shoulder_is_shown_beside_the_first(stage: Stage) -> None:
 
         assert wait_until(as_one_stands_before_a_person)
         assert wait_until(lambda: page.page.get_by_text('dashed: left deltoid').count() > 0)
+        # both at rest, the newest of both every second
+        assert wait_until(lambda: len(page.plots()) == 2 and len(page.plots()[0]) == 7)
         page.choose_option('time', 'coordinate')
         # the left arm has stayed: a point of its curves, the right one's before and behind
         assert wait_until(lambda: len(page.plots()) == 2 and len(page.plots()[0]) == 7)
