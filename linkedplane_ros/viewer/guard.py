@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import hmac
 import inspect
+import logging
 import re
 import secrets
 import socket
@@ -80,6 +81,8 @@ class Guard:
             options['create_connection'] = self._checked_connection()
             options['process_request'] = self._checked_requests(process_request)
             options |= KEEP_ALIVE  # a browser that hangs ends its sweep as one that closes
+            # of a connection that a browser opens ahead and closes unused, it logs a traceback
+            options['logger'] = logging.Logger('connections', logging.CRITICAL)
             return original(handler, *where, **options)
 
         server.serve = serve  # type: ignore[assignment,misc]

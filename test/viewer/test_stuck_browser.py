@@ -109,3 +109,16 @@ def test_a_browser_that_takes_a_large_picture_slowly_is_kept(
     assert wait_until(reads)
     assert len(server.get_clients()) == 1
     slow.socket.close()
+
+
+def test_a_connection_that_a_browser_opens_ahead_and_closes_unused_is_not_logged(
+    served: tuple[viser.ViserServer, Callable[[], MuteSocket]], caplog: pytest.LogCaptureFixture
+) -> None:
+    server, connect = served
+    for said in (b'', b'GET / HT'):
+        with socket.create_connection(('127.0.0.1', server.get_port())) as ahead:
+            ahead.sendall(said)
+    after = connect()
+    assert wait_until(lambda: len(server.get_clients()) == 1)
+    assert [each.name for each in caplog.records if 'websockets' in each.name] == []
+    after.socket.close()
